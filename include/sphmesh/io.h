@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file io.h
+ * @brief libsphmesh-io: files in and out. Everything it does a caller of the core could do.
+ *
+ * Paths are UTF-8, as the operating system takes them. Every reader checks counts against the file's size before it
+ * allocates, and says in the message which file, line or byte it refuses. Writers write a temporary file beside the target and rename it,
+ * so that a target is either whole or untouched.
+ */
+#ifndef SPHMESH_IO_H
+#define SPHMESH_IO_H
+
+#include "sphmesh.h"
+
+SPH_BEGIN_DECLS
+
+/** Axis that points up in a file; positions are turned so that y is up. */
+enum { SPH_UP_Y = 0, SPH_UP_Z = 1 };
+
+/** Options of sph_io_open_animation(). Fill with sph_io_open_options_init() first. */
+typedef struct sph_io_open_options {
+    uint32_t struct_size;   /**< bytes the caller knows of; written by the initialiser */
+    uint32_t flags;         /**< must be 0 */
+    const char *cache_path; /**< a PC2 or MDD point cache with the mesh's frames; NULL: none */
+    uint32_t first_frame;   /**< A of --frames A:B:STEP; default 0 */
+    uint32_t end_frame;     /**< B: the first frame not taken; 0 (default): all */
+    uint32_t frame_step;    /**< default 1; > 0 */
+    int32_t up_axis;        /**< one of SPH_UP_*; default y: positions are left as they are. z: (x, y, z) becomes (x, z, -y) */
+    double scale;           /**< positions are multiplied by it; finite, not 0; default 1 */
+} sph_io_open_options;
+
+/** @brief Fills `options` with the defaults. Call as `sph_io_open_options_init(&o, sizeof o)`. @since 0.1 */
+SPH_API void sph_io_open_options_init(sph_io_open_options *options, size_t size);
+
+/**
+ * @brief Opens an animation: one mesh with a point cache, or a sequence of meshes, or one mesh alone (one frame).
+ *
+ * A sequence is several paths (or one glob or printf pattern), taken in natural order: s2 before s10. All meshes of a
+ * sequence must have the triangles of the first. Point caches are memory-mapped, and read as frames are asked for.
+ * @param[in]  paths       path_count paths; more than one must not come with a cache.
+ * @param[in]  options     may be NULL: all defaults.
+ * @param[out] out         owned by the caller; NULL on failure.
+ * @retval SPH_E_INVALID      NULL, no path, bad options.
+ * @retval SPH_E_IO           a file cannot be opened or read; the message has the system's reason.
+ * @retval SPH_E_FORMAT       a file is damaged or not what its name says; a mesh and a cache, or two meshes of a sequence,
+ *                            do not belong together: the message says both counts.
+ * @retval SPH_E_UNSUPPORTED  a format or a feature that is not read.
+ * @retval SPH_E_NOMEM        out of memory.
+ * @retval SPH_E_CANCELLED    progress asked to stop.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_open_animation(sph_context *context, const char *const *paths, size_t path_count,
+                                         const sph_io_open_options *options, sph_animation **out);
+
+/**
+ * @brief Sorts names in natural order, in place: digits compare as numbers, so that s2 comes before s10.
+ * @since 0.1
+ */
+SPH_API void sph_io_sort_natural(const char **names, size_t count);
+
+/** @brief Writes the animation's first frame and triangles as OBJ and all its frames as a PC2 cache. @since 0.1 */
+SPH_API sph_status sph_io_save_obj_pc2(const sph_animation *animation, double first_frame, double frames_per_second,
+                                       const char *obj_path, const char *pc2_path);
+
+/** What a `.sphm` file holds. */
+enum { SPH_IO_HIERARCHY = 1, SPH_IO_LEVEL = 2 };
+
+/**
+ * @brief Tells what a file made by the functions below holds, without reading all of it.
+ * @param[out] kind  one of SPH_IO_HIERARCHY, SPH_IO_LEVEL; untouched on failure.
+ * @retval SPH_E_IO, SPH_E_FORMAT, SPH_E_VERSION
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_identify(sph_context *context, const char *path, int32_t *kind);
+
+/** @brief Saves a hierarchy as a `.sphm` file. @retval SPH_E_IO the message has the path and the reason. @since 0.1 */
+SPH_API sph_status sph_io_save_hierarchy(sph_context *context, const sph_hierarchy *hierarchy, const char *path);
+/** @brief Loads a hierarchy from a `.sphm` file; errors as sph_hierarchy_read() and SPH_E_IO. @since 0.1 */
+SPH_API sph_status sph_io_load_hierarchy(sph_context *context, const char *path, sph_hierarchy **out);
+
+/**
+ * @brief Saves a level; the name's ending says how: `.sphm`, `.json` (docs/formats.md), or `.obj` (frame 0's centres as
+ *        vertices, triangles as faces, wire edges as lines, radii as comments).
+ * @retval SPH_E_UNSUPPORTED  another ending.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_save_level(sph_context *context, const sph_level *level, const char *path);
+/** @brief Loads a level from `.sphm` or `.json`. @since 0.1 */
+SPH_API sph_status sph_io_load_level(sph_context *context, const char *path, sph_level **out);
+
+SPH_END_DECLS
+
+#endif

@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: MIT */
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <sphmesh/version.h>
+
+#include "base/base.h"
+
+enum { MESSAGE_SLOTS = 16, MESSAGE_SIZE = 512 };
+
+/* The last message of one thread. */
+typedef struct message_slot {
+    pthread_t thread;
+    uint64_t age; /* 0: free */
+    char text[MESSAGE_SIZE];
+} message_slot;
+
+struct sph_context {
+    sph_allocator allocator;
+    sph_executor executor;
+    sph_log_fn *log;
+    void *log_user;
+    sph_progress_fn *progress;
+    void *progress_user;
+    sph__pool *pool; /* NULL with a caller's executor and for one thread */
+    uint32_t worker_count;
+    atomic_uint_fast64_t references;
+    pthread_mutex_t mutex; /* guards the messages */
+    uint64_t message_clock;
+    message_slot messages[MESSAGE_SLOTS];
+};
+
+uint32_t sph_version(void)
+{
+    return SPH_VERSION;
+}
+
+const char *sph_status_text(sph_status status)
+{
+    switch (status) {
+    case SPH_OK: return "no error";
+    case SPH_E_INVALID: return "invalid argument or input";
+    case SPH_E_NOMEM: return "out of memory";
+    case SPH_E_CANCELLED: return "cancelled";
+    case SPH_E_VERSION: return "made by a newer version";
+    case SPH_E_IO: return "input or output failed";
+    case SPH_E_FORMAT: return "damaged or wrong format";
+    case SPH_E_UNSUPPORTED: return "not supported";
+    case SPH_E_LIMIT: return "beyond a limit";
+    case SPH_E_STATE: return "not possible in this state";
+    default: return "unknown status";
+    }
+}
+
+static void *default_allocate(void *user, size_t size, size_t alignment)
+{
+    void *memory = NULL;
+    (void)user;
+    return posix_memalign(&memory, alignment < sizeof(void *) ? sizeof(void *) : alignment, size) == 0 ? memory : NULL;
+}
+
+static void default_release(void *user, void *memory, size_t size)
+{
+    (void)user;
+    (void)size;
+    free(memory);
+}
+
+static void inline_parallel_for(void *user, size_t count, size_t grain, sph_range_fn *body, void *argument)
+{
+    (void)user;
+    for (size_t begin = 0; begin < count; begin += grain)
+        body(argument, begin, count - begin < grain ? count : begin + grain);
+}
+
+enum { CONTEXT_OPTIONS_V1 = offsetof(sph_context_options, reserved0) + sizeof(uint32_t) };
+_Static_assert(sizeof(void *) != 8 || CONTEXT_OPTIONS_V1 == 88, "a field of 0.1 moved");
+
+static const sph_context_options CONTEXT_DEFAULTS = {.struct_size = sizeof(sph_context_options)};
+
+void sph_context_options_init(sph_context_options *options, size_t size)
+{
+    sph__options_init(options, size, &CONTEXT_DEFAULTS, sizeof CONTEXT_DEFAULTS, CONTEXT_OPTIONS_V1);
+}
+
+static uint32_t processor_count(void)
+{
+    const long count = sysconf(_SC_NPROCESSORS_ONLN);
+    return count < 1 ? 1 : count > 256 ? 256 : (uint32_t)count;
+}
+
+static sph_status read_options(const sph_context_options *in, sph_context_options *o)
+{
+    sph_status status;
+    *o = CONTEXT_DEFAULTS;
+    status = sph__options_read(NULL, "sph_context_options", in, o, sizeof *o, CONTEXT_OPTIONS_V1);
+    if (status != SPH_OK) return status;
+    if (o->flags != 0 || o->reserved0 != 0 || (o->allocator.allocate == NULL) != (o->allocator.release == NULL) ||
+        (o->allocator.user != NULL && o->allocator.allocate == NULL) ||
+        (o->executor.user != NULL && o->executor.parallel_for == NULL) || o->thread_count > 256)
+        return SPH_E_INVALID;
+    if (o->allocator.allocate == NULL) o->allocator = (sph_allocator){NULL, default_allocate, default_release};
+    if (o->thread_count == 0) o->thread_count = processor_count();
+    return SPH_OK;
+}
+
+static sph_status start_executor(sph_context *context, const sph_context_options *o)
+{
+    context->worker_count = o->executor.parallel_for != NULL && o->thread_count == 1 ? processor_count() : o->thread_count;
+    if (o->executor.parallel_for != NULL) {
+        context->executor = o->executor;
+    } else if (o->thread_count == 1) {
+        context->executor.parallel_for = inline_parallel_for;
+    } else {
+        context->pool = sph__pool_create(&context->allocator, o->thread_count - 1);
+        if (context->pool == NULL) return SPH_E_NOMEM;
+        context->executor = (sph_executor){context->pool, sph__pool_parallel_for};
+    }
+    return SPH_OK;
+}
+
+sph_status sph_context_create(const sph_context_options *options, sph_context **out)
+{
+    sph_context_options o;
+    sph_context *context;
+    sph_status status;
+    if (out == NULL) return SPH_E_INVALID;
+    *out = NULL;
+    status = read_options(options, &o);
+    if (status != SPH_OK) return status;
+    context = o.allocator.allocate(o.allocator.user, sizeof *context, SPH__ALIGN);
+    if (context == NULL) return SPH_E_NOMEM;
+    memset(context, 0, sizeof *context);
+    context->allocator = o.allocator;
+    context->log = o.log;
+    context->log_user = o.log_user;
+    context->progress = o.progress;
+    context->progress_user = o.progress_user;
+    atomic_init(&context->references, 1);
+    if (pthread_mutex_init(&context->mutex, NULL) != 0) {
+        o.allocator.release(o.allocator.user, context, sizeof *context);
+        return SPH_E_NOMEM;
+    }
+    status = start_executor(context, &o);
+    if (status != SPH_OK) {
+        sph_context_destroy(context);
+        return status;
+    }
+    *out = context;
+    return SPH_OK;
+}
+
+sph_context *sph__context_retain(sph_context *context)
+{
+    atomic_fetch_add_explicit(&context->references, 1, memory_order_relaxed);
+    return context;
+}
+
+void sph__context_release(sph_context *context)
+{
+    if (context == NULL || atomic_fetch_sub_explicit(&context->references, 1, memory_order_acq_rel) != 1) return;
+    sph__pool_destroy(context->pool);
+    pthread_mutex_destroy(&context->mutex);
+    context->allocator.release(context->allocator.user, context, sizeof *context);
+}
+
+void sph_context_destroy(sph_context *context)
+{
+    sph__context_release(context);
+}
+
+/* The calling thread's slot: its own, else a free one, else the oldest. Call with the mutex held. */
+static message_slot *find_slot(sph_context *context, bool make)
+{
+    const pthread_t self = pthread_self();
+    message_slot *best = &context->messages[0];
+    for (size_t i = 0; i < MESSAGE_SLOTS; ++i) {
+        message_slot *slot = &context->messages[i];
+        if (slot->age != 0 && pthread_equal(slot->thread, self)) return slot;
+        if (slot->age < best->age) best = slot;
+    }
+    if (!make) return NULL;
+    best->thread = self;
+    return best;
+}
+
+const char *sph_context_last_message(const sph_context *context)
+{
+    sph_context *c = (sph_context *)context; /* the mutex is not part of the visible state */
+    message_slot *slot;
+    if (c == NULL) return "";
+    pthread_mutex_lock(&c->mutex);
+    slot = find_slot(c, false);
+    pthread_mutex_unlock(&c->mutex);
+    return slot == NULL ? "" : slot->text;
+}
+
+sph_status sph__fail(const sph_context *context, sph_status status, const char *format, ...)
+{
+    sph_context *c = (sph_context *)context;
+    char text[MESSAGE_SIZE]; /* formatted first: an argument may be the last message itself */
+    message_slot *slot;
+    va_list arguments;
+    if (c == NULL) return status;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    pthread_mutex_lock(&c->mutex);
+    slot = find_slot(c, true);
+    slot->age = ++c->message_clock;
+    memcpy(slot->text, text, sizeof text);
+    pthread_mutex_unlock(&c->mutex);
+    return status;
+}
+
+sph_status sph__fail_memory(const sph_context *context)
+{
+    return sph__fail(context, SPH_E_NOMEM, "out of memory");
+}
+
+void sph__log(const sph_context *context, int32_t severity, const char *format, ...)
+{
+    char text[MESSAGE_SIZE];
+    va_list arguments;
+    if (context == NULL || context->log == NULL) return;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    context->log(context->log_user, severity, text);
+}
+
+sph_status sph_context_fail(sph_context *context, sph_status status, const char *message)
+{
+    return sph__fail(context, status, "%s", message == NULL ? "" : message);
+}
+
+void sph_context_log(sph_context *context, int32_t severity, const char *message)
+{
+    if (message != NULL) sph__log(context, severity, "%s", message);
+}
+
+void *sph_context_allocate(sph_context *context, size_t count, size_t size)
+{
+    return context == NULL ? NULL : sph__alloc(context, count, size);
+}
+
+void sph_context_release(sph_context *context, void *memory)
+{
+    if (context != NULL) sph__free(context, memory);
+}
+
+sph_status sph_context_report_progress(sph_context *context, const char *stage, double fraction)
+{
+    sph__progress progress;
+    if (context == NULL || stage == NULL || !(fraction >= 0 && fraction <= 1)) return SPH_E_INVALID;
+    sph__progress_begin(&progress, context);
+    sph__progress_part(&progress, 1);
+    return sph__progress_report(&progress, stage, fraction);
+}
+
+void sph_context_parallel_for(sph_context *context, size_t count, size_t grain, sph_range_fn *body, void *argument)
+{
+    if (context != NULL && grain != 0 && body != NULL) sph__parallel_for(context, count, grain, body, argument);
+}
+
+/* Each block carries its size in front, one alignment unit long. */
+void *sph__alloc(const sph_context *context, size_t count, size_t size)
+{
+    size_t bytes;
+    char *memory;
+    if (!sph__multiply_size(count, size, &bytes) || bytes > SIZE_MAX - SPH__ALIGN || bytes > PTRDIFF_MAX - SPH__ALIGN)
+        return NULL;
+    bytes += SPH__ALIGN;
+    memory = context->allocator.allocate(context->allocator.user, bytes, SPH__ALIGN);
+    if (memory == NULL) return NULL;
+    memcpy(memory, &bytes, sizeof bytes);
+    return memory + SPH__ALIGN;
+}
+
+void *sph__zalloc(const sph_context *context, size_t count, size_t size)
+{
+    void *memory = sph__alloc(context, count, size);
+    if (memory != NULL) memset(memory, 0, count * size);
+    return memory;
+}
+
+void sph__free(const sph_context *context, void *memory)
+{
+    size_t bytes;
+    char *start;
+    if (memory == NULL) return;
+    start = (char *)memory - SPH__ALIGN;
+    memcpy(&bytes, start, sizeof bytes);
+    context->allocator.release(context->allocator.user, start, bytes);
+}
+
+void *sph__realloc(const sph_context *context, void *memory, size_t count, size_t size)
+{
+    void *grown = sph__alloc(context, count, size);
+    if (grown != NULL && memory != NULL) {
+        size_t bytes;
+        memcpy(&bytes, (char *)memory - SPH__ALIGN, sizeof bytes);
+        bytes -= SPH__ALIGN;
+        memcpy(grown, memory, bytes < count * size ? bytes : count * size);
+        sph__free(context, memory);
+    }
+    return grown;
+}
+
+bool sph__multiply_size(size_t a, size_t b, size_t *out)
+{
+    return !__builtin_mul_overflow(a, b, out);
+}
+
+bool sph__reserve(const sph_context *context, void **memory, size_t *capacity, size_t need, size_t size)
+{
+    size_t wanted;
+    void *grown;
+    if (need <= *capacity) return true;
+    wanted = *capacity > SIZE_MAX / 2 ? need : *capacity * 2;
+    if (wanted < need) wanted = need;
+    if (wanted < 16) wanted = 16;
+    grown = sph__realloc(context, *memory, wanted, size);
+    if (grown == NULL) return false;
+    *memory = grown;
+    *capacity = wanted;
+    return true;
+}
+
+void sph__parallel_for(const sph_context *context, size_t count, size_t grain, sph_range_fn *body, void *argument)
+{
+    if (count == 0) return;
+    if (count <= grain)
+        body(argument, 0, count);
+    else
+        context->executor.parallel_for(context->executor.user, count, grain, body, argument);
+}
+
+uint32_t sph__worker_count(const sph_context *context)
+{
+    return context->worker_count;
+}
+
+void sph__progress_begin(sph__progress *progress, const sph_context *context)
+{
+    *progress = (sph__progress){.context = context};
+}
+
+void sph__progress_part(sph__progress *progress, double span)
+{
+    progress->base += progress->span;
+    progress->span = span;
+}
+
+sph_status sph__progress_report(sph__progress *progress, const char *stage, double fraction)
+{
+    const sph_context *context = progress->context;
+    double value = progress->base + progress->span * fraction;
+    if (context->progress == NULL) return SPH_OK;
+    if (value > 1) value = 1;
+    if (value > progress->last) progress->last = value;
+    if (context->progress(context->progress_user, stage, progress->last)) return SPH_OK;
+    return sph__fail(context, SPH_E_CANCELLED, "cancelled during %s", stage);
+}
