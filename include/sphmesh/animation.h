@@ -74,7 +74,8 @@ SPH_API sph_status sph_animation_set_frame(sph_animation *animation, uint32_t fr
  * @retval SPH_E_INVALID  NULL with a count above 0, `stride` out of range, or an index that is not below n (the message
  *                        names the triangle). Triangles that repeat a vertex or each other are accepted: see
  *                        sph_animation_check().
- * @retval SPH_E_NOMEM    out of memory; what was set before stays.
+ * @retval SPH_E_LIMIT    more than 2^31 - 1 triangles.
+ * @retval SPH_E_NOMEM    out of memory. After any failure what was set before stays.
  * @since 0.1
  */
 SPH_API sph_status sph_animation_set_triangles(sph_animation *animation, const uint32_t *indices,
@@ -84,7 +85,7 @@ SPH_API sph_status sph_animation_set_triangles(sph_animation *animation, const u
  * @brief Sets additional edges ("wire" edges, that need not belong to a triangle); what was set before is dropped.
  * @param[in] indices  2 * edge_count vertex indices, edge i starting `i * stride` bytes after the first.
  * @param[in] stride   bytes from one edge to the next, at least 8; 0 means 8.
- * @retval SPH_E_INVALID, SPH_E_NOMEM  as sph_animation_set_triangles().
+ * @retval SPH_E_INVALID, SPH_E_LIMIT, SPH_E_NOMEM  as sph_animation_set_triangles().
  * @since 0.1
  */
 SPH_API sph_status sph_animation_set_edges(sph_animation *animation, const uint32_t *indices, size_t edge_count,

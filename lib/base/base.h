@@ -22,6 +22,8 @@ sph_status sph__fail(const sph_context *context, sph_status status, const char *
     __attribute__((format(printf, 3, 4)));
 /* The same for #SPH_E_NOMEM. */
 sph_status sph__fail_memory(const sph_context *context);
+/* Changes with every message of the calling thread: tells whether a callback left one. 0 where there is none. */
+uint64_t sph__message_stamp(const sph_context *context);
 void sph__log(const sph_context *context, int32_t severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -221,6 +221,18 @@ sph_status sph__fail_memory(const sph_context *context)
     return sph__fail(context, SPH_E_NOMEM, "out of memory");
 }
 
+uint64_t sph__message_stamp(const sph_context *context)
+{
+    sph_context *c = (sph_context *)context;
+    message_slot *slot;
+    uint64_t stamp;
+    pthread_mutex_lock(&c->mutex);
+    slot = find_slot(c, false);
+    stamp = slot == NULL ? 0 : slot->age;
+    pthread_mutex_unlock(&c->mutex);
+    return stamp;
+}
+
 void sph__log(const sph_context *context, int32_t severity, const char *format, ...)
 {
     char text[MESSAGE_SIZE];
