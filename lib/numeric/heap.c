@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: MIT */
+#include "numeric/heap.h"
+
+#include <math.h>
+
+/* Four children per node: half the depth of a binary heap, and one node's children share two cache lines. */
+enum { ARITY = 4 };
+
+static bool comes_before(const sph__heap_entry *a, const sph__heap_entry *b)
+{
+    if (a->key < b->key) return true;
+    if (a->key > b->key) return false;
+    if (a->key != b->key) { /* a NaN on one side or both */
+        const bool a_nan = isnan(a->key), b_nan = isnan(b->key);
+        if (a_nan != b_nan) return b_nan;
+    }
+    if (a->tie != b->tie) return a->tie < b->tie;
+    return a->item < b->item;
+}
+
+static void put(sph__heap *heap, size_t place, sph__heap_entry entry)
+{
+    heap->entries[place] = entry;
+    heap->places[entry.item] = (uint32_t)place;
+}
+
+static void sift_up(sph__heap *heap, size_t place, sph__heap_entry entry)
+{
+    while (place > 0) {
+        const size_t parent = (place - 1) / ARITY;
+        if (!comes_before(&entry, &heap->entries[parent])) break;
+        put(heap, place, heap->entries[parent]);
+        place = parent;
+    }
+    put(heap, place, entry);
+}
+
+static void sift_down(sph__heap *heap, size_t place, sph__heap_entry entry)
+{
+    /* Below this place every node has a child. */
+    const size_t parent_end = heap->count > 1 ? (heap->count - 2) / ARITY + 1 : 0;
+    while (place < parent_end) {
+        const size_t first = place * ARITY + 1;
+        const size_t end = heap->count - first < ARITY ? heap->count : first + ARITY;
+        size_t best = first;
+        for (size_t child = first + 1; child < end; ++child)
+            if (comes_before(&heap->entries[child], &heap->entries[best])) best = child;
+        if (!comes_before(&heap->entries[best], &entry)) break;
+        put(heap, place, heap->entries[best]);
+        place = best;
+    }
+    put(heap, place, entry);
+}
+
+/* Writes `entry` at `place`, whose own entry no longer counts, and moves it to where it belongs. */
+static void settle(sph__heap *heap, size_t place, sph__heap_entry entry)
+{
+    if (place > 0 && comes_before(&entry, &heap->entries[(place - 1) / ARITY]))
+        sift_up(heap, place, entry);
+    else
+        sift_down(heap, place, entry);
+}
+
+static sph_status reserve_places(sph__heap *heap, size_t count)
+{
+    const size_t before = heap->place_capacity;
+    void *memory = heap->places;
+    if (count <= before) return SPH_OK;
+    if (!sph__reserve(heap->context, &memory, &heap->place_capacity, count, sizeof *heap->places))
+        return sph__fail_memory(heap->context);
+    heap->places = memory;
+    for (size_t i = before; i < heap->place_capacity; ++i)
+        heap->places[i] = SPH__HEAP_ABSENT;
+    return SPH_OK;
+}
+
+static sph_status reserve_entries(sph__heap *heap, size_t count)
+{
+    void *memory = heap->entries;
+    if (count <= heap->capacity) return SPH_OK;
+    if (!sph__reserve(heap->context, &memory, &heap->capacity, count, sizeof *heap->entries))
+        return sph__fail_memory(heap->context);
+    heap->entries = memory;
+    return SPH_OK;
+}
+
+void sph__heap_init(sph__heap *heap, sph_context *context)
+{
+    *heap = (sph__heap){.context = context};
+}
+
+void sph__heap_free(sph__heap *heap)
+{
+    sph__free(heap->context, heap->entries);
+    sph__free(heap->context, heap->places);
+    sph__heap_init(heap, heap->context);
+}
+
+void sph__heap_clear(sph__heap *heap)
+{
+    for (size_t i = 0; i < heap->count; ++i)
+        heap->places[heap->entries[i].item] = SPH__HEAP_ABSENT;
+    heap->count = 0;
+}
+
+sph_status sph__heap_reserve(sph__heap *heap, size_t item_count)
+{
+    const sph_status status = reserve_places(heap, item_count);
+    return status != SPH_OK ? status : reserve_entries(heap, item_count);
+}
+
+sph_status sph__heap_set(sph__heap *heap, uint32_t item, double key, uint64_t tie)
+{
+    const sph__heap_entry entry = {.key = key, .tie = tie, .item = item};
+    sph_status status;
+    if (item == SPH__HEAP_ABSENT) return sph__fail(heap->context, SPH_E_LIMIT, "too many items in a queue");
+    if (sph__heap_contains(heap, item)) {
+        settle(heap, heap->places[item], entry);
+        return SPH_OK;
+    }
+    if ((status = reserve_places(heap, (size_t)item + 1)) != SPH_OK) return status;
+    if ((status = reserve_entries(heap, heap->count + 1)) != SPH_OK) return status;
+    sift_up(heap, heap->count++, entry);
+    return SPH_OK;
+}
+
+bool sph__heap_remove(sph__heap *heap, uint32_t item)
+{
+    size_t place;
+    sph__heap_entry last;
+    if (!sph__heap_contains(heap, item)) return false;
+    place = heap->places[item];
+    heap->places[item] = SPH__HEAP_ABSENT;
+    last = heap->entries[--heap->count];
+    if (place < heap->count) settle(heap, place, last);
+    return true;
+}
+
+bool sph__heap_top(const sph__heap *heap, uint32_t *item)
+{
+    if (heap->count == 0) return false;
+    if (item != NULL) *item = heap->entries[0].item;
+    return true;
+}
+
+bool sph__heap_pop(sph__heap *heap, uint32_t *item)
+{
+    if (heap->count == 0) return false;
+    if (item != NULL) *item = heap->entries[0].item;
+    return sph__heap_remove(heap, heap->entries[0].item);
+}
+
+bool sph__heap_contains(const sph__heap *heap, uint32_t item)
+{
+    return item < heap->place_capacity && heap->places[item] != SPH__HEAP_ABSENT;
+}
+
+double sph__heap_key(const sph__heap *heap, uint32_t item)
+{
+    return sph__heap_contains(heap, item) ? heap->entries[heap->places[item]].key : (double)NAN;
+}
+
+size_t sph__heap_count(const sph__heap *heap)
+{
+    return heap->count;
+}

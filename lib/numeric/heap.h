@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+/* A priority queue of small integers whose keys may change: the smallest key is on top. */
+#ifndef SPH_NUMERIC_HEAP_H
+#define SPH_NUMERIC_HEAP_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/base.h"
+
+typedef struct sph__heap_entry {
+    double key;
+    uint64_t tie;
+    uint32_t item;
+} sph__heap_entry;
+
+/*
+ * Order: by key, equal keys by tie, equal ties by item; so what comes out never depends on what went in first.
+ * -0 equals 0; a NaN key comes after all others, infinity included. Memory grows with the largest item ever seen.
+ */
+typedef struct sph__heap {
+    sph_context *context; /* borrowed: outlives the heap */
+    sph__heap_entry *entries;
+    size_t count, capacity;
+    uint32_t *places; /* of an item in `entries`, or SPH__HEAP_ABSENT */
+    size_t place_capacity;
+} sph__heap;
+
+#define SPH__HEAP_ABSENT UINT32_MAX
+
+void sph__heap_init(sph__heap *heap, sph_context *context);
+/* Gives back the memory; the heap may be used again. A zeroed heap is fine. */
+void sph__heap_free(sph__heap *heap);
+/* Removes everything and keeps the memory. */
+void sph__heap_clear(sph__heap *heap);
+
+/* Makes room, so that sph__heap_set cannot fail for items below `item_count`. */
+sph_status sph__heap_reserve(sph__heap *heap, size_t item_count);
+/* Inserts `item`, or changes its key and tie. On failure (out of memory; item UINT32_MAX) the heap is unchanged. */
+sph_status sph__heap_set(sph__heap *heap, uint32_t item, double key, uint64_t tie);
+/* False if `item` is not in the heap. */
+bool sph__heap_remove(sph__heap *heap, uint32_t item);
+/* The first item into *item, which may be NULL; false, and *item untouched, where the heap is empty. */
+bool sph__heap_top(const sph__heap *heap, uint32_t *item);
+/* The same, and removes it. */
+bool sph__heap_pop(sph__heap *heap, uint32_t *item);
+
+bool sph__heap_contains(const sph__heap *heap, uint32_t item);
+/* NaN where `item` is not in the heap. */
+double sph__heap_key(const sph__heap *heap, uint32_t item);
+size_t sph__heap_count(const sph__heap *heap);
+
+#endif

@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: MIT */
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "numeric/heap.h"
+
+enum { ITEMS = 300, STEPS = 60000 };
+
+static sph_context *context;
+static uint64_t state;
+
+static uint64_t next_random(void)
+{
+    state ^= state << 13;
+    state ^= state >> 7;
+    state ^= state << 17;
+    return state;
+}
+
+static void setup(void)
+{
+    state = 88172645463325252u;
+    ck_assert_int_eq(sph_context_create(NULL, &context), SPH_OK);
+}
+
+static void teardown(void)
+{
+    sph_context_destroy(context);
+}
+
+typedef struct entry {
+    double key;
+    uint64_t tie;
+    uint32_t item;
+    bool present;
+} entry;
+
+static int compare_entries(const void *left, const void *right)
+{
+    const entry *a = left, *b = right;
+    if (isnan(a->key) != isnan(b->key)) return isnan(a->key) ? 1 : -1;
+    if (!isnan(a->key) && a->key != b->key) return a->key < b->key ? -1 : 1;
+    if (a->tie != b->tie) return a->tie < b->tie ? -1 : 1;
+    return (a->item > b->item) - (a->item < b->item);
+}
+
+/* Few different keys and ties, so that every kind of tie happens; with infinities, both zeros and NaN. */
+static entry random_entry(uint32_t item)
+{
+    static const double special[] = {0.0, -0.0, INFINITY, -INFINITY, (double)NAN, 1e-308, -1e308, 1.0};
+    const uint64_t dice = next_random() % 24;
+    const double key = dice < 8 ? special[dice] : (double)(next_random() % 9) - 4.0;
+    return (entry){.key = key, .tie = next_random() % 4, .item = item, .present = true};
+}
+
+START_TEST(items_come_out_as_qsort_orders_them)
+{
+    static entry expected[ITEMS];
+    sph__heap heap;
+    sph__heap_init(&heap, context);
+    for (uint32_t i = 0; i < ITEMS; ++i) {
+        expected[i] = random_entry(i);
+        ck_assert_int_eq(sph__heap_set(&heap, i, expected[i].key, expected[i].tie), SPH_OK);
+    }
+    qsort(expected, ITEMS, sizeof *expected, compare_entries);
+    for (uint32_t i = 0; i < ITEMS; ++i) {
+        uint32_t top, item;
+        ck_assert_uint_eq(sph__heap_count(&heap), ITEMS - i);
+        ck_assert(sph__heap_top(&heap, &top));
+        ck_assert(sph__heap_pop(&heap, &item));
+        ck_assert_uint_eq(top, item);
+        ck_assert_uint_eq(item, expected[i].item);
+    }
+    ck_assert(!sph__heap_pop(&heap, NULL));
+    sph__heap_free(&heap);
+}
+END_TEST
+
+static void check_against(const sph__heap *heap, const entry *entries)
+{
+    const entry *best = NULL;
+    uint32_t top = 12345;
+    size_t count = 0;
+    for (uint32_t i = 0; i < ITEMS; ++i) {
+        if (!entries[i].present) continue;
+        ++count;
+        if (best == NULL || compare_entries(&entries[i], best) < 0) best = &entries[i];
+    }
+    ck_assert_uint_eq(sph__heap_count(heap), count);
+    ck_assert_int_eq(sph__heap_top(heap, &top), best != NULL);
+    ck_assert_uint_eq(top, best != NULL ? best->item : 12345);
+}
+
+START_TEST(any_mixture_of_operations_agrees_with_a_plain_array)
+{
+    static entry entries[ITEMS];
+    sph__heap heap;
+    memset(entries, 0, sizeof entries);
+    sph__heap_init(&heap, context);
+    for (int step = 0; step < STEPS; ++step) {
+        const uint32_t item = (uint32_t)(next_random() % ITEMS);
+        const uint64_t what = next_random() % 1000;
+        if (what < 550) {
+            entries[item] = random_entry(item);
+            ck_assert_int_eq(sph__heap_set(&heap, item, entries[item].key, entries[item].tie), SPH_OK);
+            ck_assert(sph__heap_contains(&heap, item));
+        } else if (what < 800) {
+            ck_assert_int_eq(sph__heap_remove(&heap, item), entries[item].present);
+            entries[item].present = false;
+        } else if (what < 999) {
+            uint32_t popped;
+            if (sph__heap_pop(&heap, &popped)) entries[popped].present = false;
+        } else {
+            sph__heap_clear(&heap);
+            memset(entries, 0, sizeof entries);
+        }
+        ck_assert_int_eq(sph__heap_contains(&heap, item), entries[item].present);
+        if (entries[item].present && !isnan(entries[item].key))
+            ck_assert_double_eq(sph__heap_key(&heap, item), entries[item].key);
+        else
+            ck_assert_double_nan(sph__heap_key(&heap, item));
+        check_against(&heap, entries);
+    }
+    sph__heap_free(&heap);
+    ck_assert_uint_eq(sph__heap_count(&heap), 0);
+    ck_assert_int_eq(sph__heap_set(&heap, 3, 1.0, 0), SPH_OK);
+    sph__heap_free(&heap);
+}
+END_TEST
+
+START_TEST(items_never_seen_are_absent_and_the_last_number_is_refused)
+{
+    sph__heap heap;
+    uint32_t item = 7;
+    sph__heap_init(&heap, context);
+    ck_assert(!sph__heap_top(&heap, &item));
+    ck_assert(!sph__heap_remove(&heap, 5));
+    ck_assert(!sph__heap_contains(&heap, UINT32_MAX));
+    ck_assert_int_eq(sph__heap_set(&heap, UINT32_MAX, 0.0, 0), SPH_E_LIMIT);
+    ck_assert_str_ne(sph_context_last_message(context), "");
+    sph__heap_clear(&heap);
+    ck_assert_uint_eq(item, 7);
+    sph__heap_free(&heap);
+}
+END_TEST
+
+typedef struct faulty {
+    size_t calls, fail_at;
+    long live;
+    bool sticky;
+} faulty;
+
+static void *faulty_allocate(void *user, size_t size, size_t alignment)
+{
+    faulty *f = user;
+    void *memory;
+    ++f->calls;
+    if (f->calls == f->fail_at || (f->sticky && f->calls > f->fail_at)) return NULL;
+    if (posix_memalign(&memory, alignment < sizeof(void *) ? sizeof(void *) : alignment, size) != 0) return NULL;
+    f->live += (long)size;
+    return memory;
+}
+
+static void faulty_release(void *user, void *memory, size_t size)
+{
+    ((faulty *)user)->live -= (long)size;
+    free(memory);
+}
+
+/* Fills a heap; where an insertion fails, the heap must be as before and still work. */
+static sph_status fill(sph_context *fallible, bool reserve)
+{
+    sph__heap heap;
+    sph_status status = SPH_OK;
+    uint32_t inserted = 0, item;
+    sph__heap_init(&heap, fallible);
+    if (reserve) status = sph__heap_reserve(&heap, 500);
+    for (; status == SPH_OK && inserted < 500; ++inserted) {
+        status = sph__heap_set(&heap, inserted, -(double)inserted, 0);
+        if (status != SPH_OK) break;
+        ck_assert(!reserve || heap.place_capacity == 500);
+    }
+    ck_assert_uint_eq(sph__heap_count(&heap), inserted);
+    for (uint32_t i = inserted; i > 0; --i) {
+        ck_assert(sph__heap_pop(&heap, &item));
+        ck_assert_uint_eq(item, i - 1);
+    }
+    sph__heap_free(&heap);
+    return status;
+}
+
+START_TEST(every_allocation_may_fail)
+{
+    for (size_t n = 1;; ++n) {
+        faulty f = {.fail_at = n, .sticky = _i % 2 == 1};
+        sph_context_options options;
+        sph_context *fallible = NULL;
+        sph_status status;
+        sph_context_options_init(&options, sizeof options);
+        options.thread_count = 1;
+        options.allocator = (sph_allocator){&f, faulty_allocate, faulty_release};
+        status = sph_context_create(&options, &fallible);
+        if (status == SPH_OK) status = fill(fallible, _i >= 2);
+        sph_context_destroy(fallible);
+        ck_assert_msg(f.live == 0, "leak of %ld bytes when allocation %zu fails", f.live, n);
+        if (f.calls < n) {
+            ck_assert_int_eq(status, SPH_OK);
+            ck_assert_uint_gt(n, 2);
+            return;
+        }
+        ck_assert_int_eq(status, SPH_E_NOMEM);
+    }
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("heap");
+    TCase *tests = tcase_create("heap");
+    SRunner *runner;
+    int failed;
+    tcase_add_checked_fixture(tests, setup, teardown);
+    tcase_add_test(tests, items_come_out_as_qsort_orders_them);
+    tcase_add_test(tests, any_mixture_of_operations_agrees_with_a_plain_array);
+    tcase_add_test(tests, items_never_seen_are_absent_and_the_last_number_is_refused);
+    tcase_add_loop_test(tests, every_allocation_may_fail, 0, 4);
+    suite_add_tcase(suite, tests);
+    runner = srunner_create(suite);
+    srunner_run_all(runner, CK_ENV);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}
