@@ -76,7 +76,8 @@ void sph_animation_destroy(sph_animation *animation)
     sph__context_release(context);
 }
 
-/* The stride in bytes of `count` rows, 0 made `least`; false where it is too small or spans more than can be addressed. */
+/* The stride in bytes of `count` rows, 0 made `least`; false where it is too small or spans more than can be addressed.
+ */
 static bool resolve_stride(size_t *stride, size_t least, size_t count)
 {
     size_t span;
@@ -105,7 +106,8 @@ sph_status sph_animation_set_frame(sph_animation *animation, uint32_t frame, con
     if (stride == TIGHT)
         memcpy(to, xyz, (size_t)n * TIGHT);
     else
-        for (uint32_t i = 0; i < n; ++i) memcpy(to + 3 * (size_t)i, (const char *)xyz + i * stride, TIGHT);
+        for (uint32_t i = 0; i < n; ++i)
+            memcpy(to + 3 * (size_t)i, (const char *)xyz + i * stride, TIGHT);
     return SPH_OK;
 }
 
@@ -264,8 +266,7 @@ sph_status sph_animation_bounding_diagonal(const sph_animation *animation, doubl
     for (uint32_t f = 0; status == SPH_OK && f < animation->frame_count; ++f) {
         const float *xyz;
         status = sph__animation_frame(animation, f, scratch, &xyz);
-        if (status == SPH_OK)
-            status = sph__check_finite(animation->context, f, xyz, animation->vertex_count);
+        if (status == SPH_OK) status = sph__check_finite(animation->context, f, xyz, animation->vertex_count);
         if (status == SPH_OK) sum += box_diagonal(xyz, animation->vertex_count);
     }
     if (status == SPH_OK) *diagonal = sum / animation->frame_count;

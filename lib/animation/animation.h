@@ -7,7 +7,8 @@
 
 #include "base/base.h"
 
-/* Most triangles, and most edges, of one animation: 3 indices each, and their edges, still count in 64 bits with ease. */
+/* Most triangles, and most edges, of one animation: 3 indices each, and their edges, still count in 64 bits with ease.
+ */
 enum { SPH__SIMPLEX_LIMIT = 0x7fffffff };
 
 struct sph_animation {
@@ -22,14 +23,14 @@ struct sph_animation {
 };
 
 /*
- * Memory for one frame, 3 n floats, where the animation pulls its frames; NULL, which suits sph__animation_frame, where it
- * holds them. Give it back with sph__free.
+ * Memory for one frame, 3 n floats, where the animation pulls its frames; NULL, which suits sph__animation_frame, where
+ * it holds them. Give it back with sph__free.
  */
 sph_status sph__animation_scratch(const sph_animation *animation, float **scratch);
 
 /*
- * The positions of a frame below F in *xyz: borrowed where the animation holds them, else read into `scratch`. One thread at
- * a time for an animation with a source; any number of threads otherwise.
+ * The positions of a frame below F in *xyz: borrowed where the animation holds them, else read into `scratch`. One
+ * thread at a time for an animation with a source; any number of threads otherwise.
  */
 sph_status sph__animation_frame(const sph_animation *animation, uint32_t frame, float *scratch, const float **xyz);
 
