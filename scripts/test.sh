@@ -1,0 +1,176 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Builds and tests everything in all configurations; the last line says "N passed, N failed".
+#   scripts/test.sh                      all
+#   scripts/test.sh gcc clang sanitize threads portable install source     some
+# A case counts once for each configuration that runs it. Logs stay in build-test/.
+set -uo pipefail
+cd "$(dirname "$0")/.." || exit 1
+
+work=$PWD/build-test
+jobs=$(nproc)
+passed=0
+failed=0
+skipped=0
+started=$SECONDS
+
+say() { printf '\n== %s  [%d s]\n' "$1" $((SECONDS - started)); }
+
+# check NAME COMMAND...: one check of our own; what it prints is shown when it fails.
+check() {
+    local name=$1 log=$work/check.log
+    shift
+    if "$@" >"$log" 2>&1; then
+        passed=$((passed + 1))
+        echo "ok      $name"
+    else
+        failed=$((failed + 1))
+        echo "FAILED  $name"
+        grep -v '^$' "$log" | tail -n 40 | sed 's/^/        /'
+    fi
+}
+
+wanted() {
+    [ ${#only[@]} -eq 0 ] && return 0
+    local name
+    for name in "${only[@]}"; do [ "$name" = "$1" ] && return 0; done
+    return 1
+}
+
+# build NAME MESON-ARGUMENT...: sets up and compiles build-test/NAME. Failing counts as one failure.
+build() {
+    local name=$1 log=$work/$1.log
+    shift
+    rm -rf "${work:?}/$name"
+    if meson setup "$work/$name" -Dtests=enabled -Dprogram=enabled "$@" >"$log" 2>&1 &&
+        ninja -C "$work/$name" -j "$jobs" >>"$log" 2>&1; then
+        passed=$((passed + 1))
+        echo "ok      $name builds"
+        return 0
+    fi
+    failed=$((failed + 1))
+    echo "FAILED  $name builds"
+    tail -n 40 "$log" | sed 's/^/        /'
+    return 1
+}
+
+# run NAME MESON-TEST-ARGUMENT...: runs the tests of build-test/NAME and counts their cases.
+run() {
+    local name=$1 dir=$work/$1 log=$work/$1-tests.log counts p f s
+    shift
+    rm -rf "$dir"/meson-logs/testlog*
+    meson test -C "$dir" --no-rebuild --num-processes "$jobs" "$@" >"$log" 2>&1 </dev/null
+    if ! counts=$(python3 scripts/count_tests.py "$dir" 2>>"$log"); then
+        failed=$((failed + 1))
+        echo "FAILED  $name: the tests cannot be counted"
+        tail -n 40 "$log" | sed 's/^/        /'
+        return
+    fi
+    read -r p f s <<<"$(head -n 1 <<<"$counts")"
+    passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
+    printf '%-7s %s: %d passed, %d failed, %d skipped\n' "$([ "$f" -eq 0 ] && echo ok || echo FAILED)" "$name" "$p" "$f" "$s"
+    tail -n +2 <<<"$counts" | grep . | sed 's/^/        /'
+    if [ "$f" -gt 0 ]; then
+        grep -aE 'not ok|ERROR: |runtime error|WARNING: ThreadSanitizer|SUMMARY|Assertion' "$dir/meson-logs/testlog.txt" |
+            sort | uniq -c | head -n 40 | sed 's/^/        /'
+    fi
+}
+
+# headers COMPILER...: each public header alone, twice in one file.
+headers_stand_alone() {
+    local header result=0
+    for header in include/sphmesh/*.h; do
+        printf '#include <sphmesh/%s>\n#include <sphmesh/%s>\nint main(void);\n' "${header##*/}" "${header##*/}" |
+            "$@" -Wall -Wextra -Werror -pedantic -fsyntax-only -Iinclude - || result=1
+    done
+    return $result
+}
+
+# consumer KIND SOURCE PACKAGE: compiles against the staged install by pkg-config alone, and runs.
+consumer() {
+    local kind=$1 source=$2 package=$3 stage=$work/stage-$1 out flags=() options=()
+    out=$work/consumer-$kind-${source##*/}
+    local compiler=(gcc -std=c11)
+    [ "${source##*.}" = cpp ] && compiler=(g++ -std=c++17)
+    [ "$kind" = static ] && options=(--static)
+    export PKG_CONFIG_SYSROOT_DIR=$stage PKG_CONFIG_PATH=$stage/usr/lib/pkgconfig
+    read -r -a flags <<<"$(pkg-config "${options[@]}" --cflags --libs "$package")"
+    unset PKG_CONFIG_SYSROOT_DIR PKG_CONFIG_PATH
+    echo "${flags[*]}"
+    "${compiler[@]}" -Wall -Wextra -Werror -o "$out" "$source" "${flags[@]}" || return 1
+    if [ "$kind" = static ] && ldd "$out" | grep sphmesh; then return 1; fi
+    if [ "$kind" = shared ] && ! ldd "$out" | grep -q 'libsphmesh\.so\.0'; then return 1; fi
+    LD_LIBRARY_PATH=$stage/usr/lib "$out"
+}
+
+# stage KIND: an installed tree with the shared libraries only, or the static ones only.
+stage() {
+    rm -rf "${work:?}/stage-$1"
+    meson install -C "$work/release" --no-rebuild --destdir "$work/stage-$1" || return 1
+    if [ "$1" = static ]; then rm "$work/stage-$1"/usr/lib/*.so*; else rm "$work/stage-$1"/usr/lib/*.a; fi
+}
+
+only=("$@")
+mkdir -p "$work"
+export CI=${CI-true}
+
+say "setup"
+check "the packages are there" scripts/setup.sh
+
+if wanted source; then
+    say "source"
+    check "lib/ calls nothing that prints, ends the process or allocates past the context" scripts/check_source.py calls
+    check "includes point one way" scripts/check_source.py includes
+    check "every file names its licence" scripts/check_source.py licence
+    check "every public header is installed" scripts/check_source.py headers
+    check "headers stand alone as C11 (gcc)" headers_stand_alone gcc -std=c11 -xc
+    check "headers stand alone as C11 (clang)" headers_stand_alone clang -std=c11 -xc
+    check "headers stand alone as C++11 (gcc)" headers_stand_alone g++ -std=c++11 -xc++
+    check "headers stand alone as C++20 (clang)" headers_stand_alone clang++ -std=c++20 -xc++
+    scripts/check_source.py length | grep . | sed 's/^/warning: longer than 400 lines: /'
+fi
+
+if wanted gcc; then
+    say "gcc"
+    build gcc && run gcc
+fi
+
+if wanted clang; then
+    say "clang"
+    CC=clang CXX=clang++ build clang && run clang
+fi
+
+if wanted portable; then
+    say "portable: without vector kernels, release optimisation, assertions of the tests on"
+    build portable -Dsimd=disabled -Doptimization=3 && run portable
+fi
+
+if wanted sanitize; then
+    say "address and undefined behaviour sanitizers"
+    export ASAN_OPTIONS=abort_on_error=0:detect_stack_use_after_return=1:allocator_may_return_null=1
+    export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+    build sanitize -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 &&
+        run sanitize --timeout-multiplier 4
+fi
+
+if wanted threads; then
+    say "thread sanitizer"
+    export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
+    build threads -Db_sanitize=thread -Db_lundef=false -Doptimization=1 && run threads --timeout-multiplier 4
+fi
+
+if wanted install; then
+    say "installed"
+    if build release -Dbuildtype=release -Doptimization=3 --prefix=/usr --libdir=lib -Dtests=disabled; then
+        check "the libraries export what the headers say, and share no state" scripts/check_symbols.py "$work/release"
+        for kind in shared static; do
+            check "$kind libraries install" stage $kind
+            check "a C program finds the $kind libraries" consumer $kind tests/install/consumer.c sphmesh-io
+            check "a C++ program finds the $kind core" consumer $kind tests/install/consumer.cpp sphmesh
+        done
+    fi
+fi
+
+printf '\n%d skipped, %d s\n' "$skipped" $((SECONDS - started))
+printf '%d passed, %d failed\n' "$passed" "$failed"
+[ "$failed" -eq 0 ]
