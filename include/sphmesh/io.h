@@ -58,9 +58,21 @@ SPH_API sph_status sph_io_open_animation(sph_context *context, const char *const
  */
 SPH_API void sph_io_sort_natural(const char **names, size_t count);
 
-/** @brief Writes the animation's first frame and triangles as OBJ and all its frames as a PC2 cache. @since 0.1 */
-SPH_API sph_status sph_io_save_obj_pc2(const sph_animation *animation, double first_frame, double frames_per_second,
-                                       const char *obj_path, const char *pc2_path);
+/**
+ * @brief Writes the animation's first frame, triangles and additional edges as OBJ, and all its frames as a PC2 cache.
+ * @param[in] context            takes the message of a failure; best the one that the animation was made with.
+ * @param[in] first_frame        the cache's start frame, as its readers show it; finite; as a rule 0.
+ * @param[in] frames_per_sample  the cache's sampling: frames of the reading program from one frame here to the next; finite
+ *                               and > 0; as a rule 1. The format holds no frames per second.
+ * @retval SPH_E_INVALID    NULL, a number out of range, or both paths are the same.
+ * @retval SPH_E_IO         a file cannot be written: the message has the path and the system's reason.
+ * @retval SPH_E_NOMEM      out of memory.
+ * @retval SPH_E_CANCELLED  progress asked to stop.
+ * @return otherwise what the frame source returned. Whatever fails, no file is left half written.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_save_obj_pc2(sph_context *context, const sph_animation *animation, double first_frame,
+                                       double frames_per_sample, const char *obj_path, const char *pc2_path);
 
 /** What a `.sphm` file holds. */
 enum { SPH_IO_HIERARCHY = 1, SPH_IO_LEVEL = 2 };
