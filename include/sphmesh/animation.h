@@ -119,12 +119,23 @@ SPH_API sph_status sph_animation_read_frame(const sph_animation *animation, uint
  * @param[out] diagonal  model units; untouched on failure.
  * @retval SPH_E_INVALID  NULL, or a coordinate is not finite (the message names frame and vertex).
  * @retval SPH_E_NOMEM    out of memory.
+ * @return otherwise what the frame source returned.
  * @par Cost  One pass over all frames.
  * @since 0.1
  */
 SPH_API sph_status sph_animation_bounding_diagonal(const sph_animation *animation, double *diagonal);
 
-/** What sph_animation_check() found. Counts are exact; indices name the first case. Fill `struct_size` by the initialiser. */
+/**
+ * What sph_animation_check() found. Counts are exact; indices name the first case, frames before triangles and vertices. Fill
+ * `struct_size` by the initialiser.
+ *
+ * Triangles and edges that name a vertex twice are counted as such, and then left out of everything that concerns
+ * connectivity: they are no duplicates, have no edges, join no components, and a vertex only of such is isolated. Duplicate
+ * triangles are triangles: each counts for its edges. For `inward_component_count` components are joined by triangles alone,
+ * and closed and consistently wound means that every edge has as many triangles in one direction as in the other. Vertices that are
+ * not finite in a frame coincide with none, have no part in the frame's diagonal, and give their triangles no area to
+ * compare and their component no volume in that frame.
+ */
 typedef struct sph_animation_report {
     uint32_t struct_size;              /**< bytes the caller knows of */
     uint32_t reserved0;                /**< 0 */
@@ -134,17 +145,19 @@ typedef struct sph_animation_report {
     uint64_t repeated_index_count;     /**< triangles and edges that name one vertex twice */
     uint64_t first_repeated_index;     /**< index of the first such triangle; of the first such edge plus the triangle count */
     uint64_t duplicate_triangle_count; /**< triangles beyond the first with the same three vertices, in any order */
-    uint64_t zero_area_count;          /**< (triangle, frame) pairs of no area: below 1e-12 times the squared diagonal of the frame */
+    uint64_t zero_area_count;          /**< (triangle, frame) pairs of no area: at most 1e-12 times the squared diagonal of the
+                                            frame; with those that name a vertex twice */
     uint32_t first_zero_area_frame;    /**< valid where the count is above 0 */
     uint32_t first_zero_area_triangle; /**< valid where the count is above 0 */
     uint64_t boundary_edge_count;      /**< edges of exactly one triangle */
     uint64_t non_manifold_edge_count;  /**< edges of three or more triangles */
     uint64_t inconsistent_edge_count;  /**< edges of two triangles that run along it in the same direction */
-    uint64_t wire_edge_count;          /**< edges of no triangle */
+    uint64_t wire_edge_count;          /**< different edges of no triangle */
     uint64_t component_count;          /**< connected components, isolated vertices included */
     uint64_t isolated_vertex_count;    /**< vertices of no triangle and no edge */
     uint64_t coincident_vertex_count;  /**< vertices that coincide in all frames with one of lower index: what welding would remove */
-    uint64_t inward_component_count;   /**< closed, consistently wound components whose signed volume, summed over frames, is negative */
+    uint64_t inward_component_count;   /**< closed, consistently wound components whose signed volume, summed over frames, is
+                                            negative beyond rounding: below -1e-12 of the sum of its parts */
 } sph_animation_report;
 
 /** @brief Zeroes a report and sets its size. Call as `sph_animation_report_init(&r, sizeof r)`. @since 0.1 */
@@ -156,7 +169,9 @@ SPH_API void sph_animation_report_init(sph_animation_report *report, size_t size
  * @retval SPH_E_INVALID    NULL, or a report that was not initialised.
  * @retval SPH_E_NOMEM      out of memory.
  * @retval SPH_E_CANCELLED  progress asked to stop.
- * @par Cost  One pass over all frames, O(F (n + m)) time and O(n + m) memory.
+ * @return otherwise what the frame source returned.
+ * @par Cost  One pass over all frames, O(F (n + m)) time, n log n instead of n in frames that tell coincident vertices
+ *            apart; O(n + m) memory.
  * @since 0.1
  */
 SPH_API sph_status sph_animation_check(const sph_animation *animation, sph_animation_report *report);
@@ -165,14 +180,19 @@ SPH_API sph_status sph_animation_check(const sph_animation *animation, sph_anima
  * @brief Makes a new animation in which vertices that coincide in all frames are one.
  *
  * Two vertices are welded when their positions are equal in every frame (tolerance 0), or differ by no more than
- * `tolerance` in every coordinate of every frame from the vertex of lowest index of their group. Triangles and edges that come to name one vertex twice
- * are dropped. Kept vertices stay in their order.
+ * `tolerance` in every coordinate of every frame from the vertex of lowest index of their group: in order of their index,
+ * vertices join the first group whose lowest vertex is that close, or begin one. A group has the position of its lowest
+ * vertex. Triangles and edges that come to name one vertex twice are dropped, duplicates are not. Kept vertices stay in their
+ * order, and so do triangles and edges.
  * @param[in]  tolerance  model units, >= 0 and finite.
- * @param[out] map        n entries: the new index of every old vertex; may be NULL.
+ * @param[out] map        n entries: the new index of every old vertex; may be NULL; untouched on failure.
  * @param[out] out        owned by the caller; holds its own positions; NULL on failure.
  * @retval SPH_E_INVALID    NULL, bad tolerance, or a coordinate is not finite (the message names frame and vertex).
  * @retval SPH_E_NOMEM      out of memory.
  * @retval SPH_E_CANCELLED  progress asked to stop.
+ * @return otherwise what the frame source returned.
+ * @par Cost  Tolerance 0: two passes over the frames, at worst O(F n log n) time, O(n) memory beside the result. Above 0: two
+ *            passes more, and memory for all frames of the vertices that only a comparison in pairs can tell apart.
  * @since 0.1
  */
 SPH_API sph_status sph_animation_weld(const sph_animation *animation, float tolerance, uint32_t *map,

@@ -34,6 +34,13 @@ sph_status sph__animation_scratch(const sph_animation *animation, float **scratc
  */
 sph_status sph__animation_frame(const sph_animation *animation, uint32_t frame, float *scratch, const float **xyz);
 
+/* For a triangle (3 corners) or an edge (2). */
+static inline bool sph__names_vertex_twice(const uint32_t *simplex, uint32_t corners)
+{
+    return corners == 2 ? simplex[0] == simplex[1]
+                        : simplex[0] == simplex[1] || simplex[1] == simplex[2] || simplex[2] == simplex[0];
+}
+
 /* SPH_E_INVALID, with a message that names frame and vertex, when one of the n positions is not finite. */
 sph_status sph__check_finite(const sph_context *context, uint32_t frame, const float *xyz, uint32_t n);
 

@@ -1,0 +1,421 @@
+/* SPDX-License-Identifier: MIT */
+/* The handle: what goes in comes out, and what is wrong is said. */
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support.h"
+
+static sph_context *context;
+
+static void setup(void)
+{
+    context = test_context();
+    ck_assert_ptr_nonnull(context);
+}
+
+static void teardown(void)
+{
+    sph_context_destroy(context);
+}
+
+#define ck_message_has(part)                                                                                           \
+    ck_assert_msg(strstr(sph_context_last_message(context), (part)) != NULL, "message \"%s\" lacks \"%s\"",            \
+                  sph_context_last_message(context), (part))
+
+START_TEST(create_rejects_counts_out_of_range)
+{
+    static const uint32_t counts[][2] = {{0, 1}, {1, 0}, {0x80000000u, 1}, {1, 0x80000000u}, {UINT32_MAX, UINT32_MAX}};
+    sph_animation *a = (sph_animation *)&counts;
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        ck_assert_int_eq(sph_animation_create(context, counts[i][0], counts[i][1], &a), SPH_E_INVALID);
+        ck_assert_ptr_null(a);
+    }
+    a = (sph_animation *)&counts;
+    ck_assert_int_eq(sph_animation_create(NULL, 1, 1, &a), SPH_E_INVALID);
+    ck_assert_ptr_null(a);
+    ck_assert_int_eq(sph_animation_create(context, 1, 1, NULL), SPH_E_INVALID);
+    sph_animation_destroy(NULL);
+}
+END_TEST
+
+START_TEST(create_says_that_memory_is_out_for_sizes_beyond_it)
+{
+    sph_animation *a;
+    ck_assert_int_eq(sph_animation_create(context, 0x7fffffff, 0x7fffffff, &a), SPH_E_NOMEM);
+    ck_assert_ptr_null(a);
+    ck_message_has("2147483647 frames of 2147483647 vertices");
+}
+END_TEST
+
+START_TEST(positions_are_zero_until_set)
+{
+    sph_animation *a;
+    float xyz[6] = {1, 1, 1, 1, 1, 1};
+    double diagonal = -1;
+    ck_assert_int_eq(sph_animation_create(context, 2, 3, &a), SPH_OK);
+    ck_assert_uint_eq(sph_animation_vertex_count(a), 2);
+    ck_assert_uint_eq(sph_animation_frame_count(a), 3);
+    ck_assert_uint_eq(sph_animation_triangle_count(a), 0);
+    ck_assert_uint_eq(sph_animation_edge_count(a), 0);
+    ck_assert_ptr_null(sph_animation_triangles(a));
+    ck_assert_ptr_null(sph_animation_edges(a));
+    ck_assert_int_eq(sph_animation_read_frame(a, 2, xyz), SPH_OK);
+    for (size_t i = 0; i < 6; ++i)
+        ck_assert(xyz[i] == 0);
+    ck_assert_int_eq(sph_animation_bounding_diagonal(a, &diagonal), SPH_OK);
+    ck_assert(diagonal == 0);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(getters_give_nothing_for_null)
+{
+    float xyz[3];
+    double diagonal;
+    ck_assert_uint_eq(sph_animation_vertex_count(NULL), 0);
+    ck_assert_uint_eq(sph_animation_frame_count(NULL), 0);
+    ck_assert_uint_eq(sph_animation_triangle_count(NULL), 0);
+    ck_assert_uint_eq(sph_animation_edge_count(NULL), 0);
+    ck_assert_ptr_null(sph_animation_triangles(NULL));
+    ck_assert_ptr_null(sph_animation_edges(NULL));
+    ck_assert_int_eq(sph_animation_read_frame(NULL, 0, xyz), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_set_frame(NULL, 0, xyz, 0), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_set_triangles(NULL, NULL, 0, 0), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_set_edges(NULL, NULL, 0, 0), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_bounding_diagonal(NULL, &diagonal), SPH_E_INVALID);
+}
+END_TEST
+
+/* Strides in bytes, and not even a multiple of 4. */
+static const size_t STRIDES[] = {0, 12, 13, 16, 31, 64};
+
+START_TEST(frames_with_a_stride_arrive_tight)
+{
+    enum { N = 5 };
+    const size_t stride = STRIDES[_i], step = stride == 0 ? 12 : stride;
+    unsigned char *from = test_malloc((N - 1) * step + 12, 1); /* exact: the sanitizer sees a read beyond */
+    float want[3 * N], got[3 * N];
+    sph_animation *a;
+    for (size_t i = 0; i < 3 * N; ++i)
+        want[i] = (float)i * 1.5f - 7;
+    memset(from, 0xff, (N - 1) * step + 12);
+    for (size_t i = 0; i < N; ++i)
+        memcpy(from + i * step, want + 3 * i, 12);
+    ck_assert_int_eq(sph_animation_create(context, N, 2, &a), SPH_OK);
+    ck_assert_int_eq(sph_animation_set_frame(a, 1, (const float *)(const void *)from, stride), SPH_OK);
+    free(from);
+    ck_assert_int_eq(sph_animation_read_frame(a, 1, got), SPH_OK);
+    ck_assert_mem_eq(got, want, sizeof want);
+    ck_assert_int_eq(sph_animation_read_frame(a, 0, got), SPH_OK);
+    for (size_t i = 0; i < 3 * N; ++i)
+        ck_assert(got[i] == 0);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(indices_with_a_stride_arrive_tight)
+{
+    static const uint32_t want[9] = {0, 1, 2, 3, 2, 1, 4, 4, 4};
+    const size_t stride = STRIDES[_i], step = stride == 0 ? 12 : stride, edge_step = stride == 0 ? 8 : stride;
+    unsigned char *from = test_malloc(2 * step + 12, 1), *edges = test_malloc(2 * edge_step + 8, 1);
+    sph_animation *a;
+    ck_assert_int_eq(sph_animation_create(context, 5, 1, &a), SPH_OK);
+    for (size_t i = 0; i < 3; ++i) {
+        memcpy(from + i * step, want + 3 * i, 12);
+        memcpy(edges + i * edge_step, want + 2 * i, 8);
+    }
+    ck_assert_int_eq(sph_animation_set_triangles(a, (const uint32_t *)(const void *)from, 3, stride), SPH_OK);
+    ck_assert_int_eq(sph_animation_set_edges(a, (const uint32_t *)(const void *)edges, 3, stride), SPH_OK);
+    free(from);
+    free(edges);
+    ck_assert_uint_eq(sph_animation_triangle_count(a), 3);
+    ck_assert_mem_eq(sph_animation_triangles(a), want, sizeof want);
+    ck_assert_uint_eq(sph_animation_edge_count(a), 3);
+    ck_assert_mem_eq(sph_animation_edges(a), want, 6 * sizeof *want);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(set_frame_names_what_is_wrong)
+{
+    float xyz[6] = {0};
+    sph_animation *a;
+    ck_assert_int_eq(sph_animation_create(context, 2, 3, &a), SPH_OK);
+    ck_assert_int_eq(sph_animation_set_frame(a, 3, xyz, 0), SPH_E_INVALID);
+    ck_message_has("frame 3 is not below 3");
+    ck_assert_int_eq(sph_animation_set_frame(a, 0, NULL, 0), SPH_E_INVALID);
+    ck_message_has("NULL");
+    for (size_t stride = 1; stride < 12; ++stride)
+        ck_assert_int_eq(sph_animation_set_frame(a, 0, xyz, stride), SPH_E_INVALID);
+    ck_message_has("stride of 11 bytes");
+    ck_assert_int_eq(sph_animation_set_frame(a, 0, xyz, SIZE_MAX), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_read_frame(a, 3, xyz), SPH_E_INVALID);
+    ck_message_has("frame 3");
+    ck_assert_int_eq(sph_animation_read_frame(a, 0, NULL), SPH_E_INVALID);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(set_indices_names_what_is_wrong_and_keeps_what_was)
+{
+    static const uint32_t good[6] = {0, 1, 2, 2, 1, 3}, bad[6] = {0, 1, 2, 2, 1, 4}, wild[3] = {0, UINT32_MAX, 1};
+    sph_animation *a;
+    ck_assert_int_eq(sph_animation_create(context, 4, 1, &a), SPH_OK);
+    ck_assert_int_eq(sph_animation_set_triangles(a, good, 2, 0), SPH_OK);
+    ck_assert_int_eq(sph_animation_set_edges(a, good, 3, 0), SPH_OK);
+
+    ck_assert_int_eq(sph_animation_set_triangles(a, bad, 2, 0), SPH_E_INVALID);
+    ck_message_has("triangle 1 names vertex 4");
+    ck_assert_int_eq(sph_animation_set_triangles(a, wild, 1, 0), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_set_triangles(a, NULL, 1, 0), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_set_triangles(a, good, 1, 11), SPH_E_INVALID);
+    ck_message_has("stride of 11 bytes");
+    ck_assert_int_eq(sph_animation_set_triangles(a, good, 2, SIZE_MAX), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_set_triangles(a, good, (size_t)1 << 31, 0), SPH_E_LIMIT);
+    ck_assert_int_eq(sph_animation_set_triangles(a, good, SIZE_MAX, 0), SPH_E_LIMIT);
+    ck_assert_int_eq(sph_animation_set_edges(a, bad, 3, 0), SPH_E_INVALID);
+    ck_message_has("edge 2 names vertex 4");
+    ck_assert_int_eq(sph_animation_set_edges(a, NULL, 1, 0), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_set_edges(a, good, 1, 7), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_set_edges(a, good, SIZE_MAX, 0), SPH_E_LIMIT);
+
+    ck_assert_uint_eq(sph_animation_triangle_count(a), 2);
+    ck_assert_mem_eq(sph_animation_triangles(a), good, sizeof good);
+    ck_assert_uint_eq(sph_animation_edge_count(a), 3);
+    ck_assert_mem_eq(sph_animation_edges(a), good, sizeof good);
+
+    /* From what it holds already, and from nothing. */
+    ck_assert_int_eq(sph_animation_set_triangles(a, sph_animation_triangles(a), 1, 0), SPH_OK);
+    ck_assert_uint_eq(sph_animation_triangle_count(a), 1);
+    ck_assert_mem_eq(sph_animation_triangles(a), good, 12);
+    ck_assert_int_eq(sph_animation_set_triangles(a, NULL, 0, 0), SPH_OK);
+    ck_assert_uint_eq(sph_animation_triangle_count(a), 0);
+    ck_assert_ptr_null(sph_animation_triangles(a));
+    ck_assert_int_eq(sph_animation_set_edges(a, NULL, 0, 0), SPH_OK);
+    ck_assert_ptr_null(sph_animation_edges(a));
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(bounding_diagonal_is_the_mean_over_frames)
+{
+    static const float frames[3][6] = {{0, 0, 0, 1, 2, 2}, {5, 5, 5, 5, 5, 5}, {-1, -1, -1, -1, -7, 7}};
+    sph_animation *a;
+    double diagonal;
+    ck_assert_int_eq(sph_animation_create(context, 2, 3, &a), SPH_OK);
+    for (uint32_t f = 0; f < 3; ++f)
+        ck_assert_int_eq(sph_animation_set_frame(a, f, frames[f], 0), SPH_OK);
+    ck_assert_int_eq(sph_animation_bounding_diagonal(a, &diagonal), SPH_OK);
+    ck_assert_double_eq_tol(diagonal, (3 + 0 + 10) / 3.0, 1e-15);
+    ck_assert_int_eq(sph_animation_bounding_diagonal(a, NULL), SPH_E_INVALID);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(bounding_diagonal_stands_the_largest_floats)
+{
+    const float far[6] = {-3e38f, -3e38f, -3e38f, 3e38f, 3e38f, 3e38f};
+    sph_animation *a;
+    double diagonal;
+    ck_assert_int_eq(sph_animation_create(context, 2, 1, &a), SPH_OK);
+    ck_assert_int_eq(sph_animation_set_frame(a, 0, far, 0), SPH_OK);
+    ck_assert_int_eq(sph_animation_bounding_diagonal(a, &diagonal), SPH_OK);
+    ck_assert_double_eq_tol(diagonal / (6e38 * sqrt(3)), 1, 1e-6);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(bounding_diagonal_names_the_vertex_that_is_not_finite)
+{
+    const float odd[3] = {NAN, INFINITY, -INFINITY};
+    float xyz[9] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+    sph_animation *a;
+    double diagonal = 42;
+    ck_assert_int_eq(sph_animation_create(context, 3, 4, &a), SPH_OK);
+    xyz[3 + _i] = odd[_i];
+    ck_assert_int_eq(sph_animation_set_frame(a, 2, xyz, 0), SPH_OK);
+    ck_assert_int_eq(sph_animation_bounding_diagonal(a, &diagonal), SPH_E_INVALID);
+    ck_message_has("frame 2, vertex 1");
+    ck_assert(diagonal == 42);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(an_animation_outlives_the_callers_hold_on_the_context)
+{
+    sph_context *own = test_context();
+    sph_animation *a = test_cube(own, 2);
+    double diagonal;
+    ck_assert_ptr_nonnull(a);
+    sph_context_destroy(own);
+    ck_assert_int_eq(sph_animation_bounding_diagonal(a, &diagonal), SPH_OK);
+    ck_assert_double_gt(diagonal, 3.4);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+/* --- sources --- */
+
+START_TEST(a_source_is_read_when_frames_are_needed_and_destroyed_once)
+{
+    sph_animation *held = test_torus(context, 6, 4, 5), *pulled;
+    test_source source = {.from = held};
+    float a[72], b[72];
+    double want, got;
+    pulled = test_pulled(context, &source);
+    ck_assert_ptr_nonnull(pulled);
+    ck_assert_uint_eq(source.reads, 0);
+    for (uint32_t f = 0; f < 5; ++f) {
+        ck_assert_int_eq(sph_animation_read_frame(held, f, a), SPH_OK);
+        ck_assert_int_eq(sph_animation_read_frame(pulled, f, b), SPH_OK);
+        ck_assert_mem_eq(a, b, sizeof a);
+    }
+    ck_assert_uint_eq(source.reads, 5);
+    ck_assert_int_eq(sph_animation_bounding_diagonal(held, &want), SPH_OK);
+    ck_assert_int_eq(sph_animation_bounding_diagonal(pulled, &got), SPH_OK);
+    ck_assert(want == got);
+    ck_assert_uint_eq(source.reads, 10);
+    ck_assert_int_eq(sph_animation_set_frame(pulled, 0, a, 0), SPH_E_STATE);
+    ck_assert_uint_eq(source.destroys, 0);
+    sph_animation_destroy(pulled);
+    ck_assert_uint_eq(source.destroys, 1);
+    sph_animation_destroy(held);
+}
+END_TEST
+
+START_TEST(a_source_is_destroyed_once_when_creation_fails)
+{
+    test_faulty faulty = {0};
+    const sph_allocator allocator = test_faulty_allocator(&faulty);
+    sph_context *own = test_context_with_allocator(&allocator);
+    test_source source = {0};
+    const sph_frame_source frames = test_frame_source(&source);
+    sph_frame_source no_reader = frames;
+    sph_animation *a;
+    no_reader.read_frame = NULL;
+    ck_assert_int_eq(sph_animation_create_from_source(own, 0, 1, &frames, &a), SPH_E_INVALID);
+    ck_assert_uint_eq(source.destroys, 1);
+    ck_assert_int_eq(sph_animation_create_from_source(own, 1, 0, &frames, &a), SPH_E_INVALID);
+    ck_assert_uint_eq(source.destroys, 2);
+    ck_assert_int_eq(sph_animation_create_from_source(own, 1, 1, &frames, NULL), SPH_E_INVALID);
+    ck_assert_uint_eq(source.destroys, 3);
+    ck_assert_int_eq(sph_animation_create_from_source(NULL, 1, 1, &frames, &a), SPH_E_INVALID);
+    ck_assert_uint_eq(source.destroys, 4);
+    ck_assert_int_eq(sph_animation_create_from_source(own, 1, 1, &no_reader, &a), SPH_E_INVALID);
+    ck_assert_uint_eq(source.destroys, 5);
+    ck_assert_int_eq(sph_animation_create_from_source(own, 1, 1, NULL, &a), SPH_E_INVALID);
+    faulty.fail_at = faulty.calls + 1;
+    ck_assert_int_eq(sph_animation_create_from_source(own, 1, 1, &frames, &a), SPH_E_NOMEM);
+    ck_assert_uint_eq(source.destroys, 6);
+    ck_assert_ptr_null(a);
+    sph_context_destroy(own);
+    ck_assert(faulty.live_blocks == 0 && !faulty.misused);
+}
+END_TEST
+
+START_TEST(a_source_without_a_destroy_function_is_fine)
+{
+    test_source source = {0};
+    sph_frame_source frames = test_frame_source(&source);
+    sph_animation *a;
+    frames.destroy = NULL;
+    ck_assert_int_eq(sph_animation_create_from_source(context, 0, 1, &frames, &a), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_create_from_source(context, 1, 1, &frames, &a), SPH_OK);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(a_failing_source_fails_the_call_with_its_status)
+{
+    sph_animation *held = test_cube(context, 6), *pulled, *welded;
+    test_source source = {.from = held};
+    sph_animation_report report;
+    float xyz[24];
+    double diagonal = 42;
+    uint32_t map[8] = {42};
+    pulled = test_pulled(context, &source);
+    source.failure = SPH_E_IO;
+    source.fail_at = 1;
+    ck_assert_int_eq(sph_animation_read_frame(pulled, 4, xyz), SPH_E_IO);
+    ck_message_has("frame 4");
+    source.reads = 0;
+    source.fail_at = 3;
+    ck_assert_int_eq(sph_animation_bounding_diagonal(pulled, &diagonal), SPH_E_IO);
+    ck_message_has("frame 2");
+    ck_assert(diagonal == 42);
+    source.failure = 12345; /* a status of its own is handed on */
+    for (size_t n = 1; n <= 12; ++n) {
+        source.reads = 0;
+        source.fail_at = n;
+        ck_assert_int_eq(sph_animation_weld(pulled, 0, map, &welded), 12345);
+        ck_assert_ptr_null(welded);
+        ck_assert_uint_eq(map[0], 42);
+    }
+    for (size_t n = 1; n <= 6; ++n) {
+        sph_animation_report_init(&report, sizeof report);
+        report.wire_edge_count = 42;
+        source.reads = 0;
+        source.fail_at = n;
+        ck_assert_int_eq(sph_animation_check(pulled, &report), 12345);
+        ck_assert_uint_eq(report.wire_edge_count, 42);
+        ck_message_has("unknown status");
+    }
+    sph_animation_destroy(pulled);
+    sph_animation_destroy(held);
+}
+END_TEST
+
+static sph_status explaining_read(void *user, uint32_t frame, float *xyz)
+{
+    (void)frame;
+    (void)xyz;
+    return sph_context_fail(user, SPH_E_FORMAT, "the tape is torn");
+}
+
+START_TEST(the_message_of_a_source_is_not_talked_over)
+{
+    const sph_frame_source frames = {context, explaining_read, NULL};
+    sph_animation *a;
+    float xyz[3];
+    ck_assert_int_eq(sph_animation_create_from_source(context, 1, 1, &frames, &a), SPH_OK);
+    for (int i = 0; i < 2; ++i) {
+        ck_assert_int_eq(sph_animation_read_frame(a, 0, xyz), SPH_E_FORMAT);
+        ck_assert_str_eq(sph_context_last_message(context), "the tape is torn");
+    }
+    sph_animation_destroy(a);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("animation");
+    TCase *tc = tcase_create("handle");
+    SRunner *runner;
+    int failed;
+    tcase_add_checked_fixture(tc, setup, teardown);
+    tcase_add_test(tc, create_rejects_counts_out_of_range);
+    tcase_add_test(tc, create_says_that_memory_is_out_for_sizes_beyond_it);
+    tcase_add_test(tc, positions_are_zero_until_set);
+    tcase_add_test(tc, getters_give_nothing_for_null);
+    tcase_add_loop_test(tc, frames_with_a_stride_arrive_tight, 0, 6);
+    tcase_add_loop_test(tc, indices_with_a_stride_arrive_tight, 0, 6);
+    tcase_add_test(tc, set_frame_names_what_is_wrong);
+    tcase_add_test(tc, set_indices_names_what_is_wrong_and_keeps_what_was);
+    tcase_add_test(tc, bounding_diagonal_is_the_mean_over_frames);
+    tcase_add_test(tc, bounding_diagonal_stands_the_largest_floats);
+    tcase_add_loop_test(tc, bounding_diagonal_names_the_vertex_that_is_not_finite, 0, 3);
+    tcase_add_test(tc, an_animation_outlives_the_callers_hold_on_the_context);
+    tcase_add_test(tc, a_source_is_read_when_frames_are_needed_and_destroyed_once);
+    tcase_add_test(tc, a_source_is_destroyed_once_when_creation_fails);
+    tcase_add_test(tc, a_source_without_a_destroy_function_is_fine);
+    tcase_add_test(tc, a_failing_source_fails_the_call_with_its_status);
+    tcase_add_test(tc, the_message_of_a_source_is_not_talked_over);
+    suite_add_tcase(suite, tc);
+    runner = srunner_create(suite);
+    srunner_run_all(runner, CK_ENV);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
