@@ -98,6 +98,12 @@ static sph_status check_indices(const sph_level *level)
     return SPH_OK;
 }
 
+sph_status sph__level_check(const sph_level *level)
+{
+    const sph_status status = check_spheres(level);
+    return status != SPH_OK ? status : check_indices(level);
+}
+
 static void copy(void *to, const void *from, size_t count, size_t size)
 {
     if (count != 0) memcpy(to, from, count * size);
@@ -119,7 +125,7 @@ sph_status sph_level_create_from_arrays(sph_context *context, const sph_level_ar
     copy(level->edges, arrays->edges, 2 * arrays->edge_count, sizeof(uint32_t));
     copy(level->triangles, arrays->triangles, 3 * arrays->triangle_count, sizeof(uint32_t));
     copy(level->labels, arrays->labels, arrays->label_count, sizeof(uint32_t));
-    if ((status = check_spheres(level)) != SPH_OK || (status = check_indices(level)) != SPH_OK) {
+    if ((status = sph__level_check(level)) != SPH_OK) {
         sph_level_destroy(level);
         return status;
     }

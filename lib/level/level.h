@@ -22,6 +22,9 @@ struct sph_level {
 /* A level whose arrays have room for what `sizes` counts (its pointers are not looked at) and undefined content. */
 sph_status sph__level_allocate(sph_context *context, const sph_level_arrays *sizes, sph_level **out);
 
+/* That all values are finite, radii not negative, and indices in range; SPH_E_INVALID names the first that is not. */
+sph_status sph__level_check(const sph_level *level);
+
 /* The radii of one frame. */
 const float *sph__level_radii(const sph_level *level, uint32_t frame);
 /* The centres of one frame. */
