@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: MIT */
+/* Hierarchies and levels as files. What a .sphm container holds is the core's affair; here are files and endings. */
+#include <string.h>
+
+#include "io/io.h"
+
+/* The header of a container, as docs/formats.md has it. */
+enum { HEADER_SIZE = 32, MAJOR_AT = 8, KIND_AT = 12, MAJOR_VERSION = 1 };
+static const unsigned char MAGIC[8] = {0x89, 'S', 'P', 'H', '\r', '\n', 0x1A, '\n'};
+
+static sph_status write_bytes(void *user, const void *bytes, size_t size)
+{
+    sph__io_output *output = user;
+    sph__io_output_bytes(output, bytes, size);
+    return output->status;
+}
+
+/* Finishes, commits and releases, with the status of what was written. */
+static sph_status close_output(sph__io_output *output, sph_status status)
+{
+    if (status == SPH_OK) status = sph__io_output_finish(output);
+    if (status == SPH_OK) status = sph__io_output_commit(output);
+    sph__io_output_release(output);
+    return status;
+}
+
+/* The core does not know the file's name. */
+static sph_status name_file(sph_context *context, const char *path, sph_status status)
+{
+    if (status != SPH_E_FORMAT && status != SPH_E_VERSION) return status;
+    return sph__io_fail(context, status, "%s: %s", sph__io_shown(path), sph_context_last_message(context));
+}
+
+static sph_status check_arguments(sph_context *context, const void *handle, const char *path, const char *function)
+{
+    if (context != NULL && handle != NULL && path != NULL) return SPH_OK;
+    return sph__io_fail(context, SPH_E_INVALID, "%s: an argument is NULL", function);
+}
+
+static sph_status identify(sph_context *context, const char *path, const sph__io_map *map, int32_t *kind)
+{
+    const unsigned char *p = map->bytes;
+    uint32_t found;
+    if (map->size < HEADER_SIZE || memcmp(p, MAGIC, sizeof MAGIC) != 0)
+        return sph__io_fail(context, SPH_E_FORMAT, "%s: byte 0: not a .sphm file", sph__io_shown(path));
+    if ((p[MAJOR_AT] | p[MAJOR_AT + 1] << 8) > MAJOR_VERSION)
+        return sph__io_fail(context, SPH_E_VERSION, "%s: byte %d: version %d, this library reads %d",
+                            sph__io_shown(path), MAJOR_AT, p[MAJOR_AT] | p[MAJOR_AT + 1] << 8, MAJOR_VERSION);
+    found =
+        p[KIND_AT] | (uint32_t)p[KIND_AT + 1] << 8 | (uint32_t)p[KIND_AT + 2] << 16 | (uint32_t)p[KIND_AT + 3] << 24;
+    if (found != SPH_IO_HIERARCHY && found != SPH_IO_LEVEL)
+        return sph__io_fail(context, SPH_E_FORMAT, "%s: byte %d: neither a hierarchy nor a level but %u",
+                            sph__io_shown(path), KIND_AT, (unsigned)found);
+    *kind = (int32_t)found;
+    return SPH_OK;
+}
+
+sph_status sph_io_identify(sph_context *context, const char *path, int32_t *kind)
+{
+    sph__io_map map;
+    sph_status status = check_arguments(context, kind, path, "sph_io_identify");
+    if (status == SPH_OK) status = sph__io_map_open(context, path, &map);
+    if (status != SPH_OK) return status;
+    status = identify(context, path, &map, kind);
+    sph__io_map_close(&map);
+    return status;
+}
+
+/* Frame 0: centres as vertices, with their radii as comments; triangles as faces, wire edges as lines. */
+static void write_obj(sph__io_output *o, const sph_level_arrays *a)
+{
+    sph__io_output_text(o, "# a sphere-mesh: %u spheres, frame 0 of %u\n", (unsigned)a->sphere_count,
+                        (unsigned)a->frame_count);
+    for (size_t i = 0; i < a->sphere_count; ++i) {
+        sph__io_output_text(o, "v");
+        for (size_t j = 0; j < 3; ++j) {
+            sph__io_output_text(o, " ");
+            sph__io_output_float(o, a->centers[3 * i + j]);
+        }
+        sph__io_output_text(o, " # radius ");
+        sph__io_output_float(o, a->radii[i]);
+        sph__io_output_text(o, "\n");
+    }
+    for (size_t i = 0; i < a->triangle_count; ++i)
+        sph__io_output_text(o, "f %u %u %u\n", (unsigned)a->triangles[3 * i] + 1, (unsigned)a->triangles[3 * i + 1] + 1,
+                            (unsigned)a->triangles[3 * i + 2] + 1);
+    for (size_t i = 0; i < a->edge_count; ++i)
+        sph__io_output_text(o, "l %u %u\n", (unsigned)a->edges[2 * i] + 1, (unsigned)a->edges[2 * i + 1] + 1);
+}
+
+sph_status sph_io_save_level(sph_context *context, const sph_level *level, const char *path)
+{
+    sph__io_output output;
+    sph_level_arrays arrays = {.struct_size = sizeof arrays};
+    sph_status status = check_arguments(context, level, path, "sph_io_save_level");
+    if (status != SPH_OK) return status;
+    if (!sph__io_has_ending(path, "sphm") && !sph__io_has_ending(path, "json") && !sph__io_has_ending(path, "obj"))
+        return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: levels are saved as .sphm, .json or .obj",
+                            sph__io_shown(path));
+    status = sph_level_get_arrays(level, &arrays);
+    if (status == SPH_OK) status = sph__io_output_open(context, path, &output);
+    if (status != SPH_OK) return status;
+    if (sph__io_has_ending(path, "sphm"))
+        status = sph_level_write(level, write_bytes, &output);
+    else if (sph__io_has_ending(path, "json"))
+        sph__io_level_json_write(&output, &arrays);
+    else
+        write_obj(&output, &arrays);
+    return close_output(&output, status);
+}
+
+sph_status sph_io_load_level(sph_context *context, const char *path, sph_level **out)
+{
+    sph__io_map map;
+    sph_status status = check_arguments(context, out, path, "sph_io_load_level");
+    if (out != NULL) *out = NULL;
+    if (status == SPH_OK) status = sph__io_map_open(context, path, &map);
+    if (status != SPH_OK) return status;
+    if (sph__io_has_ending(path, "sphm") || (map.size >= sizeof MAGIC && memcmp(map.bytes, MAGIC, sizeof MAGIC) == 0))
+        status = name_file(context, path, sph_level_read(context, map.bytes, map.size, out));
+    else if (sph__io_has_ending(path, "json"))
+        status = sph__io_level_json_read(context, path, &map, out);
+    else
+        status =
+            sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: levels are read from .sphm or .json", sph__io_shown(path));
+    sph__io_map_close(&map);
+    return status;
+}
