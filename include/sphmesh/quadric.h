@@ -47,7 +47,7 @@ SPH_API uint32_t sph_quadric_frame_count(const sph_quadric *quadric);
  * @param[in] point   any point of the plane, model units.
  * @param[in] normal  outward normal; normalised here; a zero normal is refused.
  * @param[in] weight  >= 0 and finite, e.g. a third of the triangle's area.
- * @retval SPH_E_INVALID  NULL, out of range, or not finite. The quadric is unchanged.
+ * @retval SPH_E_INVALID  NULL, out of range, or not finite, also where a sum overflows. The quadric is unchanged.
  * @par Cost  O(1).
  * @since 0.1
  */
@@ -64,7 +64,7 @@ SPH_API sph_status sph_quadric_add_attachment(sph_quadric *quadric, uint32_t fra
 
 /**
  * @brief Adds another quadric of as many frames; `other` may be `quadric` itself.
- * @retval SPH_E_INVALID  NULL or different frame counts.
+ * @retval SPH_E_INVALID  NULL, different frame counts, or a sum overflows. The quadric is unchanged.
  * @par Cost  O(F).
  * @since 0.1
  */
@@ -75,7 +75,7 @@ SPH_API sph_status sph_quadric_add(sph_quadric *quadric, const sph_quadric *othe
  * @param[in]  centers  shape (F, 3), model units.
  * @param[in]  radius   model units, finite.
  * @param[out] cost     untouched on failure.
- * @retval SPH_E_INVALID  NULL or not finite.
+ * @retval SPH_E_INVALID  NULL or not finite, also where the cost overflows.
  * @since 0.1
  */
 SPH_API sph_status sph_quadric_evaluate(const sph_quadric *quadric, const double *centers, double radius, double *cost);
@@ -83,13 +83,15 @@ SPH_API sph_status sph_quadric_evaluate(const sph_quadric *quadric, const double
 /**
  * @brief The animated sphere of least Q with 0 <= r <= radius_max: closed form, exact (appendix A).
  *
- * In frames whose planes do not fix the centre (matrix numerically singular) it lies on the segment from u to v, at one
- * lambda for all such frames.
+ * In frames whose planes do not fix the centre it lies on the segment from u to v, at one lambda for all such frames.
+ * That is where their matrix is numerically singular: its determinant at most 1e-6 times the cube of a third of its
+ * trace. Of several minima that with the smallest r is taken; where lambda makes no difference it is 1/2.
  * @param[in]  u, v        shape (F, 3): ends of the segment per frame. Both may be NULL: then the origin of every frame.
  * @param[in]  radius_max  R >= 0, model units; INFINITY is allowed.
  * @param[out] minimum     radius, lambda and cost; untouched on failure.
  * @param[out] centers     shape (F, 3); may be NULL: costs less. Untouched on failure.
- * @retval SPH_E_INVALID  NULL (one of u, v alone too), radius_max negative or NaN, or a segment that is not finite.
+ * @retval SPH_E_INVALID  NULL (one of u, v alone too), radius_max negative or NaN, or a segment that is not
+ *                        finite or makes the cost overflow.
  * @par Thread safety  Any number of threads on one quadric.
  * @par Cost  O(F), no allocation.
  * @since 0.1
