@@ -57,6 +57,13 @@ void sph__progress_part(sph__progress *progress, double span);
 /* Reports `fraction` of the current part; SPH_OK, or SPH_E_CANCELLED with its message set. */
 sph_status sph__progress_report(sph__progress *progress, const char *stage, double fraction);
 
+/* --- sorting: in place, O(n log n), equal keys by item --- */
+typedef struct sph__keyed {
+    uint64_t key, item;
+} sph__keyed;
+
+void sph__sort(sph__keyed *entries, size_t count);
+
 /* --- options that grow --- */
 /* Fills `options` of the caller's `size` with `defaults` of `full` bytes; nothing below `least` bytes. */
 void sph__options_init(void *options, size_t size, const void *defaults, size_t full, size_t least);

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT */
+/* What the steps of sph_hierarchy_create share. */
+#ifndef SPH_HIERARCHY_BUILD_H
+#define SPH_HIERARCHY_BUILD_H
+
+#include "animation/animation.h"
+#include "hierarchy/connectivity.h"
+#include "hierarchy/hierarchy.h"
+#include "hierarchy/kernel.h"
+#include "numeric/heap.h"
+
+/* Blocks of floats of one size, recycled. */
+typedef struct sph__blocks {
+    const sph_context *context;
+    size_t size;        /* floats per block */
+    float **slabs;      /* each of SPH__SLAB_BLOCKS blocks */
+    size_t slab_count, slab_capacity, used; /* `used` blocks of the last slab */
+    float *free_head;   /* its first bytes hold the next */
+} sph__blocks;
+
+void sph__blocks_init(sph__blocks *blocks, const sph_context *context, size_t size);
+void sph__blocks_free(sph__blocks *blocks);
+float *sph__blocks_take(sph__blocks *blocks); /* NULL when out of memory; content undefined */
+void sph__blocks_give(sph__blocks *blocks, float *block);
+
+/* A live region keeps its data in the slot of one of its leaves. */
+typedef struct sph__slot {
+    uint32_t node;
+    uint32_t first, last, count; /* the region's vertices: a chain through sph__builder.next_member */
+    float *block;                /* NULL: not made yet */
+    double w, b, c;
+    double width;                /* lower bound of the region's width; exact where width_exact */
+    uint32_t width_direction, width_frame; /* where the region is thin: gives an upper bound for unions */
+} sph__slot;
+
+/* The state of an edge in the queue. */
+typedef struct sph__candidate {
+    double lambda, radius;
+    double width;                          /* of the union; valid where exact */
+    uint32_t width_direction, width_frame; /* of the union; valid where exact */
+    uint8_t exact;   /* cost is that of the exact radius bound; else a lower bound of it */
+    uint8_t refused; /* inverts triangles */
+} sph__candidate;
+
+/* The simplices of nodes at their birth, in order. */
+typedef struct sph__births {
+    uint32_t *edges;     /* other ends */
+    size_t edge_count, edge_capacity;
+    uint32_t *triangles; /* other corners */
+    size_t triangle_count, triangle_capacity; /* indices: two per triangle */
+} sph__births;
+
+typedef struct sph__builder {
+    sph_hierarchy *h;
+    const sph_context *context;
+    const sph_animation *animation;
+    sph_hierarchy_options options;
+    sph__progress progress;
+
+    uint32_t n, frames;
+    size_t stride, node_floats; /* node_floats = 3 * stride */
+    double radius_factor;
+    double coherence;
+
+    uint32_t *cells;      /* triangles of the input, wound outward; 3 indices each */
+    size_t cell_count;
+    uint32_t *wire;       /* further edges, 2 indices each */
+    size_t wire_count;
+    size_t *cell_starts;  /* [n + 1] into vertex_cells */
+    uint32_t *vertex_cells; /* cells around each vertex */
+    float *importance;    /* [n], or [n][stride] where importance_per_frame; NULL: 1 */
+    int importance_per_frame;
+
+    double (*directions)[3];
+    uint32_t direction_count;
+    float *width_bounds;  /* [n][direction_count] by slot: lower bounds over frames of the extents */
+    uint32_t *next_member; /* [n] */
+    uint32_t *member_stamps; /* [n] */
+    uint32_t stamp;
+    double *extent_low, *extent_high; /* [stride] scratch */
+    uint64_t width_visits;
+
+    sph__blocks blocks;
+    sph__slot *slots;     /* [n] */
+    uint32_t *slot_of;    /* [2 n - 1] */
+    float *means;         /* [2 n][4][stride] by slot: temporal coherence; else NULL */
+
+    sph__connectivity mesh;
+    sph__candidate *candidates; /* per edge */
+    sph__heap queue, refused;
+    float *new_center;    /* [3][stride] */
+    double live_cost, live_weight; /* of all regions: costs, W */
+    sph__births births;
+    sph__keyed *keys; /* scratch */
+    size_t key_capacity;
+} sph__builder;
+
+static inline float *sph__node_center(const sph__builder *b, uint32_t node)
+{
+    return b->h->centers + node * b->node_floats;
+}
+
+/* Steps, in order. */
+sph_status sph__load_frames(sph__builder *b);
+sph_status sph__make_cells(sph__builder *b);
+sph_status sph__make_importance(sph__builder *b);
+sph_status sph__curvature_importance(sph__builder *b); /* part of the step before */
+sph_status sph__make_leaves(sph__builder *b);
+sph_status sph__make_widths(sph__builder *b);
+sph_status sph__decimate(sph__builder *b);
+/* Appends the simplices of `node`, just born, to the records. */
+sph_status sph__record_births(sph__builder *b, uint32_t node);
+/* The same for all leaves, before decimation. */
+sph_status sph__record_leaves(sph__builder *b);
+
+/* The region as the kernels want it. */
+sph__region sph__region_of(const sph__builder *b, uint32_t node);
+
+/*
+ * Exact width of the union of two regions, where it is thin, and bounds per direction for the union (which may be the
+ * array of either; NULL: not wanted).
+ */
+void sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot *v, sph__candidate *candidate);
+/* An upper bound of it that costs little. */
+double sph__union_width_bound(sph__builder *b, const sph__slot *u, const sph__slot *v);
+/* The union's bounds, into u's. */
+void sph__unite_width_bounds(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate);
+
+/* The minimum of the united quadric with 0 <= r <= radius_max, from its sums. */
+sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double radius_max);
+
+#endif

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+/* The simplices of the level that decimation stands at: edges and triangles between nodes, and what a collapse does. */
+#ifndef SPH_HIERARCHY_CONNECTIVITY_H
+#define SPH_HIERARCHY_CONNECTIVITY_H
+
+#include "base/base.h"
+#include "hierarchy/lists.h"
+
+typedef struct sph__connectivity {
+    const sph_context *context;
+    uint32_t (*edges)[2];     /* ends; an edge keeps its number when an end is renamed */
+    uint32_t edge_count;      /* at the start; numbers are never reused */
+    uint32_t (*triangles)[3]; /* corners in the order of their winding */
+    uint32_t triangle_count;
+    sph__lists node_edges, node_triangles; /* per node */
+    uint32_t *removed;                     /* edges that the last collapse took away */
+    size_t removed_count, removed_capacity;
+    uint32_t *mark_stamps; /* per node: the last new node that has it as a neighbour */
+    sph__keyed *keys; /* scratch */
+    size_t key_capacity;
+} sph__connectivity;
+
+/*
+ * Unique edges and triangles of the input. Simplices that name a vertex twice keep what is left of them. Nodes up to
+ * 2 * vertex_count - 2 may come to be.
+ */
+sph_status sph__connectivity_init(sph__connectivity *c, const sph_context *context, uint32_t vertex_count,
+                                  const uint32_t *triangles, size_t triangle_count, const uint32_t *edges,
+                                  size_t edge_count);
+void sph__connectivity_free(sph__connectivity *c);
+
+static inline uint32_t sph__edge_other(const sph__connectivity *c, uint32_t edge, uint32_t node)
+{
+    return c->edges[edge][0] == node ? c->edges[edge][1] : c->edges[edge][0];
+}
+
+/* Unites u and v into w: the edge (u, v) and what has become double go into `removed`. */
+sph_status sph__connectivity_collapse(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w);
+
+/* The two other corners of triangle t, in the order of its winding after `node`. */
+static inline void sph__triangle_others(const sph__connectivity *c, uint32_t t, uint32_t node, uint32_t others[2])
+{
+    const uint32_t *corner = c->triangles[t];
+    const unsigned at = corner[0] == node ? 0 : corner[1] == node ? 1 : 2;
+    others[0] = corner[(at + 1) % 3];
+    others[1] = corner[(at + 2) % 3];
+}
+
+#endif

@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: MIT */
+/* Decimation: collapse the cheapest edge, again and again (section 4). */
+#include <math.h>
+
+#include "hierarchy/build.h"
+#include "quadric/minimizer.h"
+
+sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double radius_max)
+{
+    /* g in the radius itself; the sums are in its difference from that of u. */
+    const double w2 = sums->w - sums->nn, beta = sums->b - sums->nb;
+    const double constant = sums->c - 0.5 * sums->bb + u_radius * (0.5 * w2 * u_radius + beta);
+    const sph__box box = {.mu = sums->mu,
+                          .nu = sums->nu,
+                          .w2 = w2,
+                          .beta1 = sums->b1 + sums->nu * u_radius,
+                          .beta3 = beta + w2 * u_radius,
+                          .mu_scale = sums->mu_scale,
+                          .w2_scale = sums->w,
+                          .cost_scale = sums->c + 0.5 * sums->bb,
+                          .noise = SPH__NOISE_FLOAT};
+    const sph__box_minimum found = sph__box_minimize(&box, sums->degenerate != 0, radius_max);
+    const double cost = found.value + constant;
+    return (sph__minimum){.lambda = found.lambda, .radius = found.radius, .cost = cost > 0 ? cost : 0};
+}
+
+static sph__slot *slot_of(const sph__builder *b, uint32_t node)
+{
+    return &b->slots[b->slot_of[node]];
+}
+
+static void edge_ends(const sph__builder *b, uint32_t edge, uint32_t *u, uint32_t *v)
+{
+    const uint32_t *ends = b->mesh.edges[edge];
+    *u = ends[0] < ends[1] ? ends[0] : ends[1];
+    *v = ends[0] < ends[1] ? ends[1] : ends[0];
+}
+
+static uint64_t edge_tie(const sph__builder *b, uint32_t edge)
+{
+    uint32_t u, v;
+    edge_ends(b, edge, &u, &v);
+    return (uint64_t)u << 32 | v;
+}
+
+/* The sums of an edge, and the cost with the best bound of the radius that is at hand: exact where the bound does not
+ * matter, else a lower bound of the cost. */
+static double evaluate(sph__builder *b, uint32_t edge, sph__candidate *candidate)
+{
+    uint32_t nu, nv;
+    sph__region u, v;
+    sph__sums sums;
+    sph__minimum minimum;
+    double lower, upper;
+    edge_ends(b, edge, &nu, &nv);
+    u = sph__region_of(b, nu);
+    v = sph__region_of(b, nv);
+    sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
+    *candidate = (sph__candidate){.exact = 1};
+    if (b->options.radius_mode == SPH_RADIUS_ZERO) {
+        minimum = sph__sums_minimize(&sums, u.radius, 0);
+    } else {
+        const sph__slot *su = slot_of(b, nu), *sv = slot_of(b, nv);
+        lower = b->radius_factor * (su->width > sv->width ? su->width : sv->width);
+        minimum = sph__sums_minimize(&sums, u.radius, INFINITY);
+        if (minimum.radius > lower) {
+            upper = b->radius_factor * sph__union_width_bound(b, su, sv);
+            minimum = sph__sums_minimize(&sums, u.radius, upper);
+            candidate->exact = 0;
+        }
+    }
+    candidate->lambda = minimum.lambda;
+    candidate->radius = minimum.radius;
+    return minimum.cost;
+}
+
+static double evaluate_exactly(sph__builder *b, uint32_t edge, sph__candidate *candidate)
+{
+    uint32_t nu, nv;
+    sph__region u, v;
+    sph__sums sums;
+    sph__minimum minimum;
+    edge_ends(b, edge, &nu, &nv);
+    u = sph__region_of(b, nu);
+    v = sph__region_of(b, nv);
+    sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
+    sph__union_width(b, slot_of(b, nu), slot_of(b, nv), candidate);
+    minimum = sph__sums_minimize(&sums, u.radius, b->radius_factor * candidate->width);
+    candidate->exact = 1;
+    candidate->lambda = minimum.lambda;
+    candidate->radius = minimum.radius;
+    return minimum.cost;
+}
+
+static sph_status push(sph__builder *b, uint32_t edge)
+{
+    const double cost = evaluate(b, edge, &b->candidates[edge]);
+    ++b->h->evaluations;
+    return sph__heap_set(&b->queue, edge, cost, edge_tie(b, edge));
+}
+
+static sph_status fill_queue(sph__builder *b)
+{
+    sph_status status;
+    b->candidates = sph__alloc(b->context, b->mesh.edge_count, sizeof *b->candidates);
+    if (b->candidates == NULL) return sph__fail_memory(b->context);
+    status = sph__heap_reserve(&b->queue, b->mesh.edge_count);
+    for (uint32_t e = 0; e < b->mesh.edge_count && status == SPH_OK; ++e) {
+        if (e % 1024 == 0) status = sph__progress_report(&b->progress, "evaluation", (double)e / b->mesh.edge_count);
+        if (status == SPH_OK) status = push(b, e);
+    }
+    return status;
+}
+
+/* Whether one of the surviving triangles of `node` turns over when the node moves to the new centre. */
+static bool inverts_around(const sph__builder *b, uint32_t node, uint32_t other)
+{
+    const uint32_t *triangles = sph__list_items(&b->mesh.node_triangles, node);
+    const uint32_t count = sph__list_count(&b->mesh.node_triangles, node);
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t x[2];
+        sph__triangle_others(&b->mesh, triangles[i], node, x);
+        if (x[0] == other || x[1] == other) continue;
+        if (sph__kernel_inversion(sph__node_center(b, x[0]), sph__node_center(b, x[1]), sph__node_center(b, node),
+                                  b->new_center, b->stride) < 0)
+            return true;
+    }
+    return false;
+}
+
+/* Refused edges around a node come back: its triangles have changed. */
+static sph_status readmit_around(sph__builder *b, uint32_t node)
+{
+    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
+    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    for (uint32_t i = 0; i < count; ++i) {
+        sph__candidate *candidate = &b->candidates[edges[i]];
+        sph_status status;
+        if (!candidate->refused) continue;
+        candidate->refused = 0;
+        status = sph__heap_set(&b->queue, edges[i], sph__heap_key(&b->refused, edges[i]), edge_tie(b, edges[i]));
+        sph__heap_remove(&b->refused, edges[i]);
+        if (status != SPH_OK) return status;
+    }
+    return SPH_OK;
+}
+
+/* Quadric, sphere and members of the new node w, into the slot of u. */
+static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint32_t w, const sph__candidate *candidate)
+{
+    sph__slot *su = slot_of(b, nu), *sv = slot_of(b, nv);
+    const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
+    const float radius = (float)candidate->radius;
+    sph_hierarchy *h = b->h;
+    memcpy(sph__node_center(b, w), b->new_center, b->node_floats * sizeof(float));
+    h->radii[w] = radius;
+    b->live_cost -= su->c + sv->c;
+    sph__kernel_unite(&u, &v, b->stride, b->new_center, (double)radius, su->block, &su->w, &su->b, &su->c);
+    if (su->c < 0) su->c = 0;
+    b->live_cost += su->c;
+    if (b->means != NULL) sph__kernel_unite_means(u.mean, v.mean, b->stride, (float *)u.mean);
+    sph__unite_width_bounds(b, su, sv, candidate);
+    b->next_member[su->last] = sv->first;
+    su->last = sv->last;
+    su->count += sv->count;
+    su->node = w;
+    b->slot_of[w] = b->slot_of[nu];
+    sph__blocks_give(&b->blocks, sv->block);
+    sv->block = NULL;
+    return SPH_OK;
+}
+
+static void record_collapse(sph__builder *b, uint32_t u, uint32_t v, uint32_t w, bool forced)
+{
+    sph_hierarchy *h = b->h;
+    const uint32_t t = h->collapse_count++;
+    const double cost = b->live_cost > 0 ? b->live_cost : 0;
+    const double error = b->live_weight > 0 ? sqrt(cost / (0.5 * b->live_weight)) : 0;
+    h->children[2 * (size_t)t] = u;
+    h->children[2 * (size_t)t + 1] = v;
+    h->parents[u] = h->parents[v] = w;
+    h->parents[w] = SPH__NO_NODE;
+    h->costs[t] = slot_of(b, w)->c;
+    h->errors[t] = t > 0 && h->errors[t - 1] > error ? h->errors[t - 1] : error;
+    h->forced[t] = forced;
+    if (forced && h->first_forced == SPH__NO_NODE) h->first_forced = t;
+}
+
+static sph_status collapse(sph__builder *b, uint32_t u, uint32_t v, const sph__candidate *candidate, bool forced)
+{
+    const uint32_t w = b->n + b->h->collapse_count;
+    sph_status status = unite_regions(b, u, v, w, candidate);
+    if (status == SPH_OK) status = sph__connectivity_collapse(&b->mesh, u, v, w);
+    if (status != SPH_OK) return status;
+    for (size_t i = 0; i < b->mesh.removed_count; ++i) {
+        sph__heap_remove(&b->queue, b->mesh.removed[i]);
+        sph__heap_remove(&b->refused, b->mesh.removed[i]);
+    }
+    record_collapse(b, u, v, w, forced);
+    status = sph__record_births(b, w);
+    for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_edges, w) && status == SPH_OK; ++i) {
+        const uint32_t e = sph__list_items(&b->mesh.node_edges, w)[i];
+        if (b->candidates[e].refused) sph__heap_remove(&b->refused, e);
+        status = push(b, e);
+    }
+    for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_edges, w) && status == SPH_OK; ++i)
+        status = readmit_around(b, sph__edge_other(&b->mesh, sph__list_items(&b->mesh.node_edges, w)[i], w));
+    return status;
+}
+
+/* Takes the cheapest edge whose cost is exact off the queue; with an empty queue the cheapest of those refused. */
+static sph_status next_edge(sph__builder *b, uint32_t *edge, double *cost, bool *forced)
+{
+    for (;;) {
+        sph__candidate *candidate;
+        sph_status status;
+        *forced = !sph__heap_top(&b->queue, edge);
+        if (*forced) {
+            sph__heap_pop(&b->refused, edge);
+            return SPH_OK;
+        }
+        candidate = &b->candidates[*edge];
+        *cost = sph__heap_key(&b->queue, *edge);
+        if (candidate->exact) {
+            sph__heap_pop(&b->queue, edge);
+            return SPH_OK;
+        }
+        *cost = evaluate_exactly(b, *edge, candidate);
+        status = sph__heap_set(&b->queue, *edge, *cost, edge_tie(b, *edge));
+        if (status != SPH_OK) return status;
+    }
+}
+
+static sph_status step(sph__builder *b)
+{
+    uint32_t edge = 0, u, v;
+    bool forced;
+    double cost = 0;
+    sph_status status;
+    sph__candidate *candidate;
+    sph__region ru, rv;
+    status = next_edge(b, &edge, &cost, &forced);
+    if (status != SPH_OK) return status;
+    candidate = &b->candidates[edge];
+    edge_ends(b, edge, &u, &v);
+    ru = sph__region_of(b, u);
+    rv = sph__region_of(b, v);
+    sph__kernel_centers(&ru, &rv, b->stride, b->coherence, candidate->lambda, (double)(float)candidate->radius,
+                        b->new_center);
+    if (!forced && (inverts_around(b, u, v) || inverts_around(b, v, u))) {
+        candidate->refused = 1;
+        return sph__heap_set(&b->refused, edge, cost, edge_tie(b, edge));
+    }
+    return collapse(b, u, v, candidate, forced);
+}
+
+sph_status sph__decimate(sph__builder *b)
+{
+    sph_status status;
+    b->new_center = sph__zalloc(b->context, b->node_floats, sizeof(float));
+    if (b->new_center == NULL) return sph__fail_memory(b->context);
+    status = sph__heap_reserve(&b->refused, b->mesh.edge_count);
+    if (status != SPH_OK) return status;
+    sph__progress_part(&b->progress, 0.2);
+    status = fill_queue(b);
+    sph__progress_part(&b->progress, 0.6);
+    while (status == SPH_OK && (sph__heap_count(&b->queue) > 0 || sph__heap_count(&b->refused) > 0)) {
+        if (b->h->collapse_count % 64 == 0)
+            status = sph__progress_report(&b->progress, "decimation", (double)b->h->collapse_count / b->n);
+        if (status == SPH_OK) status = step(b);
+    }
+    return status;
+}

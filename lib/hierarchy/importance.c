@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/* Importance: what a plane weighs beyond its area. */
+#include <math.h>
+
+#include "hierarchy/build.h"
+
+static sph_status copy_callers(sph__builder *b)
+{
+    const sph_hierarchy_options *o = &b->options;
+    const uint32_t frames = o->importance_frame_stride == 0 ? 1 : b->frames;
+    const size_t stride = frames == 1 ? 1 : b->stride;
+    b->importance = sph__zalloc(b->context, b->n, stride * sizeof *b->importance);
+    if (b->importance == NULL) return sph__fail_memory(b->context);
+    b->importance_per_frame = stride != 1;
+    for (uint32_t f = 0; f < frames; ++f)
+        for (uint32_t v = 0; v < b->n; ++v) {
+            const float k = o->importance_weights[f * o->importance_frame_stride + v];
+            if (!(k >= 0 && k <= 1e12f))
+                return sph__fail(b->context, SPH_E_INVALID,
+                                 "frame %u, vertex %u: importance %g is not from 0 to 1e12", f, v, (double)k);
+            b->importance[v * stride + f] = k;
+        }
+    return SPH_OK;
+}
+
+sph_status sph__make_importance(sph__builder *b)
+{
+    switch (b->options.importance) {
+    case SPH_IMPORTANCE_CALLER: return copy_callers(b);
+    case SPH_IMPORTANCE_CURVATURE: return sph__curvature_importance(b);
+    default: return SPH_OK;
+    }
+}

@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: MIT */
+/* The input as decimation wants it: all frames of a vertex side by side, and triangles that are wound outward. */
+#include <math.h>
+
+#include "hierarchy/build.h"
+
+/* Coordinates beyond this could overflow when their differences are squared and multiplied in 32 bits. */
+#define COORDINATE_LIMIT 1e9f
+
+static sph_status check_limit(const sph__builder *b, uint32_t frame, const float *xyz)
+{
+    for (size_t i = 0; i < 3 * (size_t)b->n; ++i)
+        if (fabsf(xyz[i]) > COORDINATE_LIMIT)
+            return sph__fail(b->context, SPH_E_INVALID, "frame %u, vertex %zu: coordinate %g is beyond +-%g", frame, i / 3,
+                             (double)xyz[i], (double)COORDINATE_LIMIT);
+    return SPH_OK;
+}
+
+static double frame_diagonal(const float *xyz, uint32_t n)
+{
+    float low[3] = {xyz[0], xyz[1], xyz[2]}, high[3] = {xyz[0], xyz[1], xyz[2]};
+    double squared = 0;
+    for (size_t i = 1; i < n; ++i)
+        for (unsigned k = 0; k < 3; ++k) {
+            const float x = xyz[3 * i + k];
+            low[k] = x < low[k] ? x : low[k];
+            high[k] = x > high[k] ? x : high[k];
+        }
+    for (unsigned k = 0; k < 3; ++k) squared += ((double)high[k] - low[k]) * ((double)high[k] - low[k]);
+    return sqrt(squared);
+}
+
+static void scatter_frame(sph__builder *b, uint32_t frame, const float *xyz)
+{
+    float *row = b->h->centers + frame;
+    for (uint32_t i = 0; i < b->n; ++i, row += b->node_floats) {
+        row[0] = xyz[3 * (size_t)i];
+        row[b->stride] = xyz[3 * (size_t)i + 1];
+        row[2 * b->stride] = xyz[3 * (size_t)i + 2];
+    }
+}
+
+sph_status sph__load_frames(sph__builder *b)
+{
+    float *scratch;
+    double diagonals = 0;
+    sph_status status = sph__animation_scratch(b->animation, &scratch);
+    for (uint32_t f = 0; f < b->frames && status == SPH_OK; ++f) {
+        const float *xyz = NULL;
+        status = sph__progress_report(&b->progress, "frames", (double)f / b->frames);
+        if (status == SPH_OK) status = sph__animation_frame(b->animation, f, scratch, &xyz);
+        if (status == SPH_OK) status = sph__check_finite(b->context, f, xyz, b->n);
+        if (status == SPH_OK) status = check_limit(b, f, xyz);
+        if (status != SPH_OK) break;
+        scatter_frame(b, f, xyz);
+        diagonals += frame_diagonal(xyz, b->n);
+    }
+    b->h->bounding_diagonal = diagonals / b->frames;
+    sph__free(b->context, scratch);
+    /* Padding: zeros, so that its matrices are zero. */
+    for (size_t row = 0; row < 3 * (size_t)b->n; ++row)
+        for (size_t f = b->frames; f < b->stride; ++f) b->h->centers[row * b->stride + f] = 0;
+    return status;
+}
+
+static sph_status list_cells(sph__builder *b)
+{
+    b->cell_starts = sph__zalloc(b->context, (size_t)b->n + 1, sizeof *b->cell_starts);
+    b->vertex_cells = sph__alloc(b->context, 3 * b->cell_count, sizeof *b->vertex_cells);
+    if (b->cell_starts == NULL || b->vertex_cells == NULL) return sph__fail_memory(b->context);
+    for (size_t i = 0; i < 3 * b->cell_count; ++i) ++b->cell_starts[b->cells[i]];
+    for (size_t v = 0, sum = 0; v <= b->n; ++v) {
+        const size_t count = b->cell_starts[v];
+        b->cell_starts[v] = sum;
+        sum += count;
+    }
+    for (size_t t = 0; t < b->cell_count; ++t)
+        for (unsigned k = 0; k < 3; ++k) b->vertex_cells[b->cell_starts[b->cells[3 * t + k]]++] = (uint32_t)t;
+    for (size_t v = b->n; v > 0; --v) b->cell_starts[v] = b->cell_starts[v - 1];
+    b->cell_starts[0] = 0;
+    return SPH_OK;
+}
+
+/* The component of each triangle, as its lowest-numbered vertex; by union-find with path halving. */
+static uint32_t find_root(uint32_t *parents, uint32_t v)
+{
+    while (parents[v] != v) v = parents[v] = parents[parents[v]];
+    return v;
+}
+
+static sph_status find_components(const sph__builder *b, uint32_t **roots)
+{
+    uint32_t *parents = sph__alloc(b->context, b->n, sizeof *parents);
+    if (parents == NULL) return sph__fail_memory(b->context);
+    for (uint32_t v = 0; v < b->n; ++v) parents[v] = v;
+    for (size_t t = 0; t < b->cell_count; ++t)
+        for (unsigned k = 1; k < 3; ++k) {
+            const uint32_t p = find_root(parents, b->cells[3 * t]), q = find_root(parents, b->cells[3 * t + k]);
+            if (p < q)
+                parents[q] = p;
+            else
+                parents[p] = q;
+        }
+    for (uint32_t v = 0; v < b->n; ++v) parents[v] = find_root(parents, v);
+    *roots = parents;
+    return SPH_OK;
+}
+
+/* Adds each triangle's signed volume against its component's first vertex, and its area, over all frames. */
+static void add_volumes(const sph__builder *b, const uint32_t *roots, double (*volumes)[2])
+{
+    const size_t s = b->stride;
+    for (size_t t = 0; t < b->cell_count; ++t) {
+        const uint32_t *corner = b->cells + 3 * t;
+        const uint32_t root = roots[corner[0]];
+        const float *o = sph__node_center(b, root), *p = sph__node_center(b, corner[0]);
+        const float *q = sph__node_center(b, corner[1]), *r = sph__node_center(b, corner[2]);
+        for (uint32_t f = 0; f < b->frames; ++f) {
+            double e[3], g[3], n[3], volume = 0, squared = 0;
+            for (unsigned k = 0; k < 3; ++k) {
+                e[k] = (double)q[k * s + f] - p[k * s + f];
+                g[k] = (double)r[k * s + f] - p[k * s + f];
+            }
+            for (unsigned k = 0; k < 3; ++k) {
+                n[k] = e[(k + 1) % 3] * g[(k + 2) % 3] - e[(k + 2) % 3] * g[(k + 1) % 3];
+                squared += n[k] * n[k];
+                volume += n[k] * ((double)p[k * s + f] - o[k * s + f]);
+            }
+            volumes[root][0] += volume / 6;
+            volumes[root][1] += sqrt(squared) / 2;
+        }
+    }
+}
+
+/* A component counts as inside out where its signed volume is at most this part of a ball's of its area, negated. */
+#define INWARD_SHARE 0.01
+
+static sph_status orient_outward(sph__builder *b)
+{
+    uint32_t *roots = NULL;
+    double(*volumes)[2];
+    sph_status status = find_components(b, &roots);
+    if (status != SPH_OK) return status;
+    volumes = sph__zalloc(b->context, b->n, sizeof *volumes);
+    if (volumes == NULL) {
+        sph__free(b->context, roots);
+        return sph__fail_memory(b->context);
+    }
+    add_volumes(b, roots, volumes);
+    for (size_t t = 0; t < b->cell_count; ++t) {
+        const double *v = volumes[roots[b->cells[3 * t]]];
+        const double area = v[1] / b->frames, ball = area * sqrt(area) / 10.6347; /* 6 sqrt(pi) */
+        if (v[0] / b->frames >= -INWARD_SHARE * ball) continue;
+        const uint32_t swapped = b->cells[3 * t + 1];
+        b->cells[3 * t + 1] = b->cells[3 * t + 2];
+        b->cells[3 * t + 2] = swapped;
+    }
+    sph__free(b->context, volumes);
+    sph__free(b->context, roots);
+    return SPH_OK;
+}
+
+/* A triangle that names a vertex twice is an edge, or a point. */
+static void split_triangles(sph__builder *b)
+{
+    for (size_t t = 0; t < b->animation->triangle_count; ++t) {
+        const uint32_t *corner = b->animation->triangles + 3 * t;
+        if (corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0]) {
+            memcpy(b->cells + 3 * b->cell_count++, corner, 3 * sizeof *corner);
+            continue;
+        }
+        b->wire[2 * b->wire_count] = corner[0];
+        b->wire[2 * b->wire_count++ + 1] = corner[0] != corner[1] ? corner[1] : corner[2];
+    }
+}
+
+sph_status sph__make_cells(sph__builder *b)
+{
+    const size_t triangles = b->animation->triangle_count, edges = b->animation->edge_count;
+    sph_status status;
+    b->cells = sph__alloc(b->context, 3 * triangles, sizeof *b->cells);
+    b->wire = sph__alloc(b->context, edges + triangles, 2 * sizeof *b->wire);
+    if (b->cells == NULL || b->wire == NULL) return sph__fail_memory(b->context);
+    if (edges > 0) memcpy(b->wire, b->animation->edges, 2 * edges * sizeof *b->wire);
+    b->wire_count = edges;
+    split_triangles(b);
+    if (b->options.orientation == SPH_ORIENTATION_OUTWARD) {
+        status = orient_outward(b);
+        if (status != SPH_OK) return status;
+    }
+    return list_cells(b);
+}

@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: MIT */
+#include <math.h>
+
+#include "hierarchy/kernel.h"
+#include "hierarchy/lanes.h"
+#include "quadric/minimizer.h"
+
+/* The united quadric of eight frames, relative to the sphere of u. */
+typedef struct frame_quadric {
+    sph__v8d m00, m01, m02, m11, m12, m22, n0, n1, n2, b0, b1, b2;
+    sph__v8d d0, d1, d2;   /* from the centre of u to that of v */
+    sph__v8d sum_b, sum_c; /* what the shift of v adds to B and c */
+} frame_quadric;
+
+SPH__INLINE void unite_frames(const sph__region *u, const sph__region *v, size_t s, size_t i, double offset,
+                              frame_quadric *q)
+{
+    const float *a = u->block, *e = v->block;
+    const sph__v8d v00 = sph__load(e, i), v01 = sph__load(e, s + i), v02 = sph__load(e, 2 * s + i);
+    const sph__v8d v11 = sph__load(e, 3 * s + i), v12 = sph__load(e, 4 * s + i), v22 = sph__load(e, 5 * s + i);
+    const sph__v8d n0 = sph__load(e, 6 * s + i), n1 = sph__load(e, 7 * s + i), n2 = sph__load(e, 8 * s + i);
+    const sph__v8d d0 = sph__load(v->center, i) - sph__load(u->center, i);
+    const sph__v8d d1 = sph__load(v->center, s + i) - sph__load(u->center, s + i);
+    const sph__v8d d2 = sph__load(v->center, 2 * s + i) - sph__load(u->center, 2 * s + i);
+    const sph__v8d t0 = v00 * d0 + v01 * d1 + v02 * d2;
+    const sph__v8d t1 = v01 * d0 + v11 * d1 + v12 * d2;
+    const sph__v8d t2 = v02 * d0 + v12 * d1 + v22 * d2;
+    const sph__v8d nd = n0 * d0 + n1 * d1 + n2 * d2;
+    sph__v8d c = 0.5 * (t0 * d0 + t1 * d1 + t2 * d2) + offset * nd;
+    sph__v8d b0 = t0 + offset * n0, b1 = t1 + offset * n1, b2 = t2 + offset * n2;
+    if (!v->leaf) {
+        const sph__v8d e0 = sph__load(e, 9 * s + i), e1 = sph__load(e, 10 * s + i), e2 = sph__load(e, 11 * s + i);
+        c += e0 * d0 + e1 * d1 + e2 * d2;
+        b0 += e0;
+        b1 += e1;
+        b2 += e2;
+    }
+    if (!u->leaf) {
+        b0 += sph__load(a, 9 * s + i);
+        b1 += sph__load(a, 10 * s + i);
+        b2 += sph__load(a, 11 * s + i);
+    }
+    q->m00 = sph__load(a, i) + v00;
+    q->m01 = sph__load(a, s + i) + v01;
+    q->m02 = sph__load(a, 2 * s + i) + v02;
+    q->m11 = sph__load(a, 3 * s + i) + v11;
+    q->m12 = sph__load(a, 4 * s + i) + v12;
+    q->m22 = sph__load(a, 5 * s + i) + v22;
+    q->n0 = sph__load(a, 6 * s + i) + n0;
+    q->n1 = sph__load(a, 7 * s + i) + n1;
+    q->n2 = sph__load(a, 8 * s + i) + n2;
+    q->b0 = b0;
+    q->b1 = b1;
+    q->b2 = b2;
+    q->d0 = d0;
+    q->d1 = d1;
+    q->d2 = d2;
+    q->sum_b = nd;
+    q->sum_c = c;
+}
+
+/* Adds delta * sigma |q - mean|^2 to the candidate (Eq. 12); positions relative to the sphere of u. */
+SPH__INLINE void add_coherence(const sph__region *u, const sph__region *v, size_t s, size_t i, double delta,
+                               frame_quadric *q)
+{
+    const sph__v8d au = sph__load(u->mean, 3 * s + i), av = sph__load(v->mean, 3 * s + i);
+    const sph__v8d area = au + av, weight = 2 * delta * area;
+    const sph__v8i some = area > 0;
+    const sph__v8d share = sph__select(some, av / area, area);
+    sph__v8d x[3];
+    for (size_t k = 0; k < 3; ++k) {
+        const sph__v8d mu = sph__load(u->mean, k * s + i), mv = sph__load(v->mean, k * s + i);
+        x[k] = mu + share * (mv - mu) - sph__load(u->center, k * s + i);
+    }
+    q->m00 += weight;
+    q->m11 += weight;
+    q->m22 += weight;
+    q->b0 += weight * x[0];
+    q->b1 += weight * x[1];
+    q->b2 += weight * x[2];
+    q->sum_c += 0.5 * weight * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
+
+/* Adjugate and determinant; the mask of frames that are regular. */
+typedef struct frame_inverse {
+    sph__v8d a00, a01, a02, a11, a12, a22, inverse;
+    sph__v8i regular;
+} frame_inverse;
+
+SPH__INLINE void invert_frames(const frame_quadric *q, frame_inverse *v)
+{
+    const sph__v8d third = (q->m00 + q->m11 + q->m22) * (1.0 / 3.0);
+    sph__v8d det;
+    v->a00 = q->m11 * q->m22 - q->m12 * q->m12;
+    v->a01 = q->m02 * q->m12 - q->m01 * q->m22;
+    v->a02 = q->m01 * q->m12 - q->m02 * q->m11;
+    v->a11 = q->m00 * q->m22 - q->m02 * q->m02;
+    v->a12 = q->m01 * q->m02 - q->m00 * q->m12;
+    v->a22 = q->m00 * q->m11 - q->m01 * q->m01;
+    det = q->m00 * v->a00 + q->m01 * v->a01 + q->m02 * v->a02;
+    v->regular = det > SPH__DEGENERATE * (third * third * third);
+    v->inverse = sph__select(v->regular, 1.0 / det, det - det);
+}
+
+SPH__CLONES static void sums_clones(const sph__region *u, const sph__region *v, size_t s, double coherence, double *out)
+{
+    const double offset = v->radius - u->radius;
+    sph__v8d b = {0}, c = {0}, nn = {0}, nb = {0}, bb = {0}, mu = {0}, nu = {0}, b1 = {0}, scale = {0}, count = {0};
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        const sph__v8d zero = {0};
+        frame_quadric q;
+        frame_inverse a;
+        sph__v8d x0, x1, x2, y0, y1, y2;
+        unite_frames(u, v, s, i, offset, &q);
+        if (coherence > 0) add_coherence(u, v, s, i, coherence, &q);
+        invert_frames(&q, &a);
+        b += q.sum_b;
+        c += q.sum_c;
+        x0 = a.a00 * q.n0 + a.a01 * q.n1 + a.a02 * q.n2;
+        x1 = a.a01 * q.n0 + a.a11 * q.n1 + a.a12 * q.n2;
+        x2 = a.a02 * q.n0 + a.a12 * q.n1 + a.a22 * q.n2;
+        y0 = a.a00 * q.b0 + a.a01 * q.b1 + a.a02 * q.b2;
+        y1 = a.a01 * q.b0 + a.a11 * q.b1 + a.a12 * q.b2;
+        y2 = a.a02 * q.b0 + a.a12 * q.b1 + a.a22 * q.b2;
+        nn += (q.n0 * x0 + q.n1 * x1 + q.n2 * x2) * a.inverse;
+        nb += (q.b0 * x0 + q.b1 * x1 + q.b2 * x2) * a.inverse;
+        bb += (q.b0 * y0 + q.b1 * y1 + q.b2 * y2) * a.inverse;
+        x0 = q.m00 * q.d0 + q.m01 * q.d1 + q.m02 * q.d2;
+        x1 = q.m01 * q.d0 + q.m11 * q.d1 + q.m12 * q.d2;
+        x2 = q.m02 * q.d0 + q.m12 * q.d1 + q.m22 * q.d2;
+        mu += sph__select(a.regular, zero, x0 * q.d0 + x1 * q.d1 + x2 * q.d2);
+        nu += sph__select(a.regular, zero, q.n0 * q.d0 + q.n1 * q.d1 + q.n2 * q.d2);
+        b1 += sph__select(a.regular, zero, q.b0 * q.d0 + q.b1 * q.d1 + q.b2 * q.d2);
+        scale += sph__select(a.regular, zero,
+                             (q.m00 + q.m11 + q.m22) * (q.d0 * q.d0 + q.d1 * q.d1 + q.d2 * q.d2));
+        count += sph__select(a.regular, zero, zero + 1.0);
+    }
+    out[0] = sph__sum(b);
+    out[1] = sph__sum(c);
+    out[2] = sph__sum(nn);
+    out[3] = sph__sum(nb);
+    out[4] = sph__sum(bb);
+    out[5] = sph__sum(mu);
+    out[6] = sph__sum(nu);
+    out[7] = sph__sum(b1);
+    out[8] = sph__sum(scale);
+    out[9] = sph__sum(count);
+}
+
+void sph__kernel_sums(const sph__region *u, const sph__region *v, size_t frames, size_t stride, double coherence,
+                      sph__sums *sums)
+{
+    const double offset = v->radius - u->radius;
+    double out[10];
+    sums_clones(u, v, stride, coherence, out);
+    sums->w = u->w + v->w;
+    sums->b = u->b + v->b + out[0] + offset * v->w;
+    sums->c = u->c + v->c + out[1] + offset * (v->b + 0.5 * offset * v->w);
+    sums->nn = out[2];
+    sums->nb = out[3];
+    sums->bb = out[4];
+    sums->mu = out[5];
+    sums->nu = out[6];
+    sums->b1 = out[7];
+    sums->mu_scale = out[8];
+    sums->degenerate = (uint32_t)out[9] - (uint32_t)(stride - frames); /* padding is always degenerate */
+}
+
+SPH__CLONES static void centers_clones(const sph__region *u, const sph__region *v, size_t s, double coherence,
+                                       double lambda, double radius, float *center)
+{
+    const double offset = v->radius - u->radius, r = radius - u->radius;
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        frame_quadric q;
+        frame_inverse a;
+        sph__v8d x0, x1, x2;
+        unite_frames(u, v, s, i, offset, &q);
+        if (coherence > 0) add_coherence(u, v, s, i, coherence, &q);
+        invert_frames(&q, &a);
+        q.b0 -= r * q.n0;
+        q.b1 -= r * q.n1;
+        q.b2 -= r * q.n2;
+        x0 = (a.a00 * q.b0 + a.a01 * q.b1 + a.a02 * q.b2) * a.inverse;
+        x1 = (a.a01 * q.b0 + a.a11 * q.b1 + a.a12 * q.b2) * a.inverse;
+        x2 = (a.a02 * q.b0 + a.a12 * q.b1 + a.a22 * q.b2) * a.inverse;
+        x0 = sph__select(a.regular, x0, lambda * q.d0);
+        x1 = sph__select(a.regular, x1, lambda * q.d1);
+        x2 = sph__select(a.regular, x2, lambda * q.d2);
+        sph__store(center, i, x0 + sph__load(u->center, i));
+        sph__store(center, s + i, x1 + sph__load(u->center, s + i));
+        sph__store(center, 2 * s + i, x2 + sph__load(u->center, 2 * s + i));
+    }
+}
+
+void sph__kernel_centers(const sph__region *u, const sph__region *v, size_t stride, double coherence, double lambda,
+                         double radius, float *center)
+{
+    centers_clones(u, v, stride, coherence, lambda, radius, center);
+}
+
+SPH__CLONES static void unite_clones(const sph__region *u, const sph__region *v, size_t s, const float *center,
+                                     double radius, float *block, double *out)
+{
+    const double offset = v->radius - u->radius, r = radius - u->radius;
+    sph__v8d sum_b = {0}, sum_c = {0}, sum_nq = {0}, sum_q = {0};
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        frame_quadric q;
+        sph__v8d x0, x1, x2, t0, t1, t2, nq;
+        unite_frames(u, v, s, i, offset, &q);
+        sum_b += q.sum_b;
+        sum_c += q.sum_c;
+        x0 = sph__load(center, i) - sph__load(u->center, i);
+        x1 = sph__load(center, s + i) - sph__load(u->center, s + i);
+        x2 = sph__load(center, 2 * s + i) - sph__load(u->center, 2 * s + i);
+        t0 = q.m00 * x0 + q.m01 * x1 + q.m02 * x2;
+        t1 = q.m01 * x0 + q.m11 * x1 + q.m12 * x2;
+        t2 = q.m02 * x0 + q.m12 * x1 + q.m22 * x2;
+        nq = q.n0 * x0 + q.n1 * x1 + q.n2 * x2;
+        sum_nq += nq;
+        sum_q += 0.5 * (t0 * x0 + t1 * x1 + t2 * x2) + r * nq - (q.b0 * x0 + q.b1 * x1 + q.b2 * x2);
+        sph__store(block, i, q.m00);
+        sph__store(block, s + i, q.m01);
+        sph__store(block, 2 * s + i, q.m02);
+        sph__store(block, 3 * s + i, q.m11);
+        sph__store(block, 4 * s + i, q.m12);
+        sph__store(block, 5 * s + i, q.m22);
+        sph__store(block, 6 * s + i, q.n0);
+        sph__store(block, 7 * s + i, q.n1);
+        sph__store(block, 8 * s + i, q.n2);
+        sph__store(block, 9 * s + i, q.b0 - t0 - r * q.n0);
+        sph__store(block, 10 * s + i, q.b1 - t1 - r * q.n1);
+        sph__store(block, 11 * s + i, q.b2 - t2 - r * q.n2);
+    }
+    out[0] = sph__sum(sum_b);
+    out[1] = sph__sum(sum_c);
+    out[2] = sph__sum(sum_nq);
+    out[3] = sph__sum(sum_q);
+}
+
+void sph__kernel_unite(const sph__region *u, const sph__region *v, size_t stride, const float *center, double radius,
+                       float *block, double *w, double *b, double *c)
+{
+    const double offset = v->radius - u->radius, r = radius - u->radius;
+    const double uw = u->w + v->w;
+    double out[4], ub, uc;
+    unite_clones(u, v, stride, center, radius, block, out);
+    ub = u->b + v->b + out[0] + offset * v->w;
+    uc = u->c + v->c + out[1] + offset * (v->b + 0.5 * offset * v->w);
+    *w = uw;
+    *b = ub - out[2] - r * uw;
+    *c = uc + out[3] + r * (0.5 * r * uw - ub);
+}
+
+SPH__CLONES static double inversion_clones(const float *p, const float *q, const float *before, const float *after,
+                                           size_t s)
+{
+    sph__v8d sum = {0};
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        sph__v8d e[3], f[3], g[3], n[3], m[3], dot, squared, root;
+        for (size_t k = 0; k < 3; ++k) {
+            const sph__v8d o = sph__load(p, k * s + i);
+            e[k] = sph__load(q, k * s + i) - o;
+            f[k] = sph__load(before, k * s + i) - o;
+            g[k] = sph__load(after, k * s + i) - o;
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            const size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+            n[k] = e[k1] * f[k2] - e[k2] * f[k1];
+            m[k] = e[k1] * g[k2] - e[k2] * g[k1];
+        }
+        dot = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+        squared = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+        /* sqrt(A A') n.n' = (N.N') / (2 sqrt(|N| |N'|)) with N twice the area times the normal */
+        for (size_t l = 0; l < SPH__LANES; ++l) root[l] = sqrt(sqrt(squared[l]));
+        sum += sph__select(squared > 0, dot / root, squared - squared);
+    }
+    return 0.5 * sph__sum(sum);
+}
+
+double sph__kernel_inversion(const float *p, const float *q, const float *before, const float *after, size_t stride)
+{
+    return inversion_clones(p, q, before, after, stride);
+}
+
+void sph__kernel_unite_means(const float *u, const float *v, size_t stride, float *out)
+{
+    for (size_t i = 0; i < stride; i += SPH__LANES) {
+        const sph__v8d au = sph__load(u, 3 * stride + i), av = sph__load(v, 3 * stride + i), area = au + av;
+        const sph__v8d share = sph__select(area > 0, av / area, area);
+        for (size_t k = 0; k < 3; ++k) {
+            const sph__v8d mu = sph__load(u, k * stride + i), mv = sph__load(v, k * stride + i);
+            sph__store(out, k * stride + i, mu + share * (mv - mu));
+        }
+        sph__store(out, 3 * stride + i, area);
+    }
+}

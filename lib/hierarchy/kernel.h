@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The loops over frames. All take rows of `stride` floats (a multiple of SPH__LANES, padded with zeros), allocate nothing
+ * and cannot fail.
+ *
+ * A region's quadric is kept relative to its own animated sphere (q0, r0): the value there is its cost, and the gradient
+ * there is almost nothing. That, rather than an anchor at a vertex, is what lets 32 bits hold the matrices.
+ */
+#ifndef SPH_HIERARCHY_KERNEL_H
+#define SPH_HIERARCHY_KERNEL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Frames per vector: rows are padded to a multiple of it. */
+enum { SPH__LANES = 8 };
+
+/* Rows of a block. */
+enum { SPH__M00, SPH__M01, SPH__M02, SPH__M11, SPH__M12, SPH__M22, SPH__N0, SPH__N1, SPH__N2, SPH__B0, SPH__B1, SPH__B2,
+       SPH__BLOCK_ROWS,
+       SPH__LEAF_ROWS = SPH__B0 };
+
+/* One region as the kernels see it. */
+typedef struct sph__region {
+    const float *block;    /* rows of the quadric */
+    const float *center;   /* x, y, z rows of the sphere's centre, which is the origin of the quadric */
+    const float *mean;     /* x, y, z and area rows of temporal coherence; NULL without it */
+    double radius;         /* of the sphere; its offset in r */
+    double w, b, c;        /* scalars of the quadric relative to the sphere */
+    int leaf;              /* 1: the b rows are zero and not read */
+} sph__region;
+
+/* What a pass over the frames of the united quadric yields; all relative to the sphere of u. */
+typedef struct sph__sums {
+    double b, c;       /* scalars B and c of the union */
+    double w;          /* W of the union */
+    double nn, nb, bb; /* sums over regular frames of N'M^-1 N, N'M^-1 b, b'M^-1 b */
+    double mu, nu, b1; /* sums over degenerate frames of d'M d, N.d, b.d */
+    double mu_scale;   /* sum over degenerate frames of trace(M) |d|^2 */
+    uint32_t degenerate;
+} sph__sums;
+
+/* Where the united quadric is least: lambda, radius (absolute) and cost. */
+typedef struct sph__minimum {
+    double lambda, radius, cost;
+} sph__minimum;
+
+void sph__kernel_sums(const sph__region *u, const sph__region *v, size_t frames, size_t stride, double coherence,
+                      sph__sums *sums);
+
+/* The centres of the united sphere: three rows. */
+void sph__kernel_centers(const sph__region *u, const sph__region *v, size_t stride, double coherence, double lambda,
+                         double radius, float *center);
+
+/*
+ * Writes the united quadric relative to the sphere (center, radius). `block` may be that of u or v. The scalars come from
+ * sums of the same two regions without coherence terms.
+ */
+void sph__kernel_unite(const sph__region *u, const sph__region *v, size_t stride, const float *center, double radius,
+                       float *block, double *w, double *b, double *c);
+
+/* sum over frames of sqrt(area * area') n.n' of triangle (p, q, old) and (p, q, new). */
+double sph__kernel_inversion(const float *p, const float *q, const float *before, const float *after, size_t stride);
+
+/* mean and area rows of the union */
+void sph__kernel_unite_means(const float *u, const float *v, size_t stride, float *out);
+
+#endif

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Vectors of eight frames. The width is a constant of the results, never of the machine: sums go lane by lane and are
+ * combined by one fixed tree, so that every instruction set gives the same bits.
+ */
+#ifndef SPH_HIERARCHY_LANES_H
+#define SPH_HIERARCHY_LANES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "hierarchy/kernel.h"
+
+typedef float sph__v8f __attribute__((vector_size(32), may_alias));
+typedef double sph__v8d __attribute__((vector_size(64)));
+typedef int64_t sph__v8i __attribute__((vector_size(64)));
+
+#define SPH__INLINE static inline __attribute__((always_inline))
+
+#if defined(SPH_HAVE_CLONES)
+#  define SPH__CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#  define SPH__CLONES
+#endif
+
+SPH__INLINE sph__v8d sph__load(const float *row, size_t i)
+{
+    return __builtin_convertvector(*(const sph__v8f *)(row + i), sph__v8d);
+}
+
+SPH__INLINE void sph__store(float *row, size_t i, sph__v8d value)
+{
+    *(sph__v8f *)(row + i) = __builtin_convertvector(value, sph__v8f);
+}
+
+/* `a` where the mask is set, else `b`. */
+SPH__INLINE sph__v8d sph__select(sph__v8i mask, sph__v8d a, sph__v8d b)
+{
+    return (sph__v8d)((mask & (sph__v8i)a) | (~mask & (sph__v8i)b));
+}
+
+SPH__INLINE double sph__sum(sph__v8d v)
+{
+    return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+}
+
+#endif

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Widths of regions (spec of the radius bound): the least extent of a region's cells over all frames and directions.
+ *
+ * Extents are not kept: they are many times bigger than quadrics. A region keeps a lower bound of its extent per direction
+ * (extents only grow), and the direction and frame where it was found to be thin. That bounds a union's width from both
+ * sides; where the bounds do not decide, the extents are taken afresh from the region's vertices, in the directions
+ * that can still matter, thinnest first.
+ */
+#include <math.h>
+
+#include "hierarchy/build.h"
+#include "hierarchy/lanes.h"
+
+/* Points spread by the golden angle over the half-sphere z > 0, turned step by step: no sines, so the same bits anywhere. */
+void sph__width_directions(uint32_t count, double (*directions)[3])
+{
+    const double cosine = -0.73736887807831990, sine = 0.67549029426152362; /* of the golden angle, 2.39996 */
+    double x = 1, y = 0;
+    for (uint32_t j = 0; j < count; ++j) {
+        const double z = (j + 0.5) / count, radius = sqrt(1 - z * z), turned = x * cosine - y * sine;
+        directions[j][0] = radius * x;
+        directions[j][1] = radius * y;
+        directions[j][2] = z;
+        y = x * sine + y * cosine;
+        x = turned;
+    }
+}
+
+static void mark_members(sph__builder *b, const sph__slot *slot)
+{
+    uint32_t v = slot->first;
+    for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v]) b->member_stamps[v] = b->stamp;
+}
+
+/* Calls for points of the cells of a region's vertices; interior triangles add nothing to the vertices' hull. */
+SPH__INLINE void widen(sph__v8d x, sph__v8d *low, sph__v8d *high)
+{
+    *low = sph__select(x < *low, x, *low);
+    *high = sph__select(x > *high, x, *high);
+}
+
+SPH__INLINE sph__v8d project(const float *p, size_t s, size_t i, const sph__v8d origin[3], const double k[3])
+{
+    return (sph__load(p, i) - origin[0]) * k[0] + (sph__load(p, s + i) - origin[1]) * k[1] +
+           (sph__load(p, 2 * s + i) - origin[2]) * k[2];
+}
+
+/* Triangles of the cells that a region's extent depends on, laid out for one call of the loop over frames. */
+typedef struct extent_points {
+    const float *vertex;
+    const float *others[2];
+    int inside[2]; /* of the region */
+} extent_points;
+
+SPH__CLONES static void widen_triangle(const extent_points *p, const float *origin, size_t s, const double k[3],
+                                       double *low, double *high)
+{
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        const sph__v8d o[3] = {sph__load(origin, i), sph__load(origin, s + i), sph__load(origin, 2 * s + i)};
+        sph__v8d *l = (sph__v8d *)(low + i), *h = (sph__v8d *)(high + i);
+        const sph__v8d x = project(p->vertex, s, i, o, k);
+        widen(x, l, h);
+        if (p->others[0] != NULL) {
+            const sph__v8d y = project(p->others[0], s, i, o, k), z = project(p->others[1], s, i, o, k);
+            if (!p->inside[0]) widen(0.5 * (x + y), l, h);
+            if (!p->inside[1]) widen(0.5 * (x + z), l, h);
+            widen((x + y + z) * (1.0 / 3.0), l, h);
+        }
+    }
+}
+
+/* Widens low and high by the cells of a region's vertices along direction k. */
+static void widen_region(sph__builder *b, const sph__slot *slot, const float *origin, const double k[3])
+{
+    const size_t s = b->stride;
+    uint32_t v = slot->first;
+    b->width_visits += slot->count;
+    for (uint32_t m = 0; m < slot->count; ++m, v = b->next_member[v]) {
+        const float *center = sph__node_center(b, v);
+        int any = 0;
+        for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
+            const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[i];
+            extent_points points = {.vertex = center};
+            for (unsigned n = 0, c = 0; c < 3; ++c) {
+                if (corner[c] == v) continue;
+                points.others[n] = sph__node_center(b, corner[c]);
+                points.inside[n++] = b->member_stamps[corner[c]] == b->stamp;
+            }
+            if (points.inside[0] && points.inside[1]) continue;
+            any = 1;
+            widen_triangle(&points, origin, s, k, b->extent_low, b->extent_high);
+        }
+        if (!any) {
+            const extent_points points = {.vertex = center};
+            widen_triangle(&points, origin, s, k, b->extent_low, b->extent_high);
+        }
+    }
+}
+
+static double project_frame(const sph__builder *b, uint32_t v, uint32_t frame, const double k[3])
+{
+    const float *p = sph__node_center(b, v) + frame;
+    return p[0] * k[0] + p[b->stride] * k[1] + p[2 * b->stride] * k[2];
+}
+
+/* The same for one frame. */
+static void widen_region_in_frame(sph__builder *b, const sph__slot *slot, uint32_t frame, const double k[3], double *low,
+                                  double *high)
+{
+    uint32_t v = slot->first;
+    for (uint32_t m = 0; m < slot->count; ++m, v = b->next_member[v]) {
+        const double x = project_frame(b, v, frame, k);
+        *low = x < *low ? x : *low;
+        *high = x > *high ? x : *high;
+        for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
+            const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[i];
+            double sum = x;
+            for (unsigned c = 0; c < 3; ++c) {
+                double y;
+                if (corner[c] == v) continue;
+                y = project_frame(b, corner[c], frame, k);
+                sum += y;
+                y = 0.5 * (x + y);
+                *low = y < *low ? y : *low;
+                *high = y > *high ? y : *high;
+            }
+            sum *= 1.0 / 3.0;
+            *low = sum < *low ? sum : *low;
+            *high = sum > *high ? sum : *high;
+        }
+    }
+}
+
+static double union_extent_in_frame(sph__builder *b, const sph__slot *u, const sph__slot *v, uint32_t frame,
+                                    uint32_t direction)
+{
+    double low = INFINITY, high = -INFINITY;
+    widen_region_in_frame(b, u, frame, b->directions[direction], &low, &high);
+    if (v != NULL) widen_region_in_frame(b, v, frame, b->directions[direction], &low, &high);
+    return high - low;
+}
+
+/* Rounding of an upper bound must not take it below what the exact search finds. */
+#define BOUND_SLACK (1 + 1e-6)
+
+double sph__union_width_bound(sph__builder *b, const sph__slot *u, const sph__slot *v)
+{
+    const double x = union_extent_in_frame(b, u, v, u->width_frame, u->width_direction);
+    const double y = union_extent_in_frame(b, u, v, v->width_frame, v->width_direction);
+    return (x < y ? x : y) * BOUND_SLACK;
+}
+
+/* Least over frames of the union's extent in one direction; *frame where. */
+static double union_extent(sph__builder *b, const sph__slot *u, const sph__slot *v, uint32_t direction, uint32_t *frame)
+{
+    const float *origin = sph__node_center(b, u->first);
+    double least = INFINITY;
+    for (size_t f = 0; f < b->stride; ++f) {
+        b->extent_low[f] = INFINITY;
+        b->extent_high[f] = -INFINITY;
+    }
+    widen_region(b, u, origin, b->directions[direction]);
+    widen_region(b, v, origin, b->directions[direction]);
+    for (uint32_t f = 0; f < b->frames; ++f) {
+        const double extent = b->extent_high[f] - b->extent_low[f];
+        if (extent < least) {
+            least = extent;
+            *frame = f;
+        }
+    }
+    return least;
+}
+
+void sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot *v, sph__candidate *candidate)
+{
+    const float *low_u = b->width_bounds + (u - b->slots) * (size_t)b->direction_count;
+    const float *low_v = b->width_bounds + (v - b->slots) * (size_t)b->direction_count;
+    sph__keyed order[1024];
+    double best = INFINITY;
+    for (uint32_t j = 0; j < b->direction_count; ++j) {
+        /* non-negative floats compare as their bits do */
+        const float bound = low_u[j] > low_v[j] ? low_u[j] : low_v[j];
+        uint32_t bits;
+        memcpy(&bits, &bound, sizeof bits);
+        order[j] = (sph__keyed){bits, j};
+    }
+    for (uint32_t j = 0; j < b->direction_count; ++j)
+        if (j == u->width_direction || j == v->width_direction) order[j].key = 0; /* thin there: look first */
+    sph__sort(order, b->direction_count);
+    ++b->stamp;
+    mark_members(b, u);
+    mark_members(b, v);
+    for (uint32_t i = 0; i < b->direction_count; ++i) {
+        const uint32_t j = (uint32_t)order[i].item;
+        const uint32_t bits = (uint32_t)order[i].key;
+        uint32_t frame = 0;
+        float bound;
+        double extent;
+        memcpy(&bound, &bits, sizeof bound);
+        if ((double)bound >= best) break;
+        extent = union_extent(b, u, v, j, &frame);
+        if (extent < best) {
+            best = extent;
+            candidate->width_direction = j;
+            candidate->width_frame = frame;
+        }
+    }
+    candidate->width = best;
+}
+
+void sph__unite_width_bounds(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate)
+{
+    float *low = b->width_bounds + (u - b->slots) * (size_t)b->direction_count;
+    const float *low_v = b->width_bounds + (v - b->slots) * (size_t)b->direction_count;
+    if (candidate->exact && candidate->width > 0) {
+        u->width = candidate->width;
+        u->width_direction = candidate->width_direction;
+        u->width_frame = candidate->width_frame;
+    } else if (v->width > u->width) {
+        u->width = v->width;
+        u->width_direction = v->width_direction;
+        u->width_frame = v->width_frame;
+    }
+    for (uint32_t j = 0; j < b->direction_count; ++j) {
+        float bound = low[j] > low_v[j] ? low[j] : low_v[j];
+        if ((double)bound < u->width * (1 - 1e-6)) bound = (float)(u->width * (1 - 1e-6));
+        low[j] = bound;
+    }
+}
+
+/* A leaf's cell: the thinnest direction of the first frame, as a place to look; bounds of zero. */
+sph_status sph__make_widths(sph__builder *b)
+{
+    b->directions = sph__alloc(b->context, b->direction_count, sizeof *b->directions);
+    b->width_bounds = sph__zalloc(b->context, b->n, b->direction_count * sizeof *b->width_bounds);
+    b->extent_low = sph__alloc(b->context, b->stride, sizeof *b->extent_low);
+    b->extent_high = sph__alloc(b->context, b->stride, sizeof *b->extent_high);
+    if (b->directions == NULL || b->width_bounds == NULL || b->extent_low == NULL || b->extent_high == NULL)
+        return sph__fail_memory(b->context);
+    sph__width_directions(b->direction_count, b->directions);
+    for (uint32_t v = 0; v < b->n; ++v) {
+        sph__slot *slot = &b->slots[v];
+        double least = INFINITY;
+        for (uint32_t j = 0; j < b->direction_count; ++j) {
+            const double extent = union_extent_in_frame(b, slot, NULL, 0, j);
+            if (extent < least) {
+                least = extent;
+                slot->width_direction = j;
+            }
+        }
+    }
+    return SPH_OK;
+}
