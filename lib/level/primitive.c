@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: MIT */
+#include "level/primitive.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "numeric/vector.h"
+
+static void set_edge(sph__primitive *p, sph__primitive_edge *e, int32_t from, int32_t to)
+{
+    const double difference = p->radius[from] - p->radius[to];
+    *e = (sph__primitive_edge){.from = from, .to = to, .only = -1};
+    sph__subtract(p->center[to], p->center[from], e->axis);
+    e->length = sph__norm(e->axis);
+    if (e->length > fabs(difference)) {
+        e->sine = difference / e->length;
+        e->cosine = sqrt((1 - e->sine) * (1 + e->sine));
+    }
+    if (!(e->cosine > 0)) {
+        e->only = difference >= 0 ? from : to;
+        return;
+    }
+    for (int k = 0; k < 3; ++k)
+        e->axis[k] /= e->length;
+}
+
+/*
+ * The unit normal n of a plane that touches the three spheres satisfies n.(c1 - c0) = r0 - r1 and n.(c2 - c0) = r0 -
+ * r2. Its part in the plane of the centres is a combination of the weights' gradients, which are dual to these edges.
+ */
+static void set_faces(sph__primitive *p)
+{
+    double u[3], v[3], w[3], area, length, longest, squared;
+    sph__subtract(p->center[1], p->center[0], u);
+    sph__subtract(p->center[2], p->center[0], v);
+    sph__subtract(p->center[2], p->center[1], w);
+    sph__cross(u, v, p->plane_normal);
+    area = sph__norm(p->plane_normal);
+    longest = fmax(sph__dot(w, w), fmax(sph__dot(u, u), sph__dot(v, v)));
+    if (!(area > 1e-12 * longest)) return; /* collinear: the three capsules are the solid */
+    for (int k = 0; k < 3; ++k)
+        p->plane_normal[k] /= area;
+    sph__cross(v, p->plane_normal, p->gradient[0]);
+    sph__cross(p->plane_normal, u, p->gradient[1]);
+    for (int k = 0; k < 3; ++k) {
+        p->gradient[0][k] /= area;
+        p->gradient[1][k] /= area;
+        p->tilt[k] =
+            (p->radius[0] - p->radius[1]) * p->gradient[0][k] + (p->radius[0] - p->radius[2]) * p->gradient[1][k];
+    }
+    length = sph__norm(p->tilt);
+    squared = (1 - length) * (1 + length);
+    if (!(squared > 0)) return; /* no plane touches all three */
+    p->rise = sqrt(squared);
+    p->gradient_tilt[0] = sph__dot(p->gradient[0], p->tilt) / p->rise;
+    p->gradient_tilt[1] = sph__dot(p->gradient[1], p->tilt) / p->rise;
+    p->has_faces = true;
+}
+
+void sph__primitive_set(sph__primitive *p, int32_t corner_count, const double (*centers)[3], const double *radii)
+{
+    memset(p, 0, sizeof *p);
+    p->corner_count = corner_count;
+    for (int32_t i = 0; i < corner_count; ++i) {
+        sph__copy3(centers[i], p->center[i]);
+        p->radius[i] = radii[i];
+    }
+    if (corner_count == 2) set_edge(p, &p->edge[0], 0, 1);
+    if (corner_count != 3) return;
+    for (int32_t i = 0; i < 3; ++i)
+        set_edge(p, &p->edge[i], i, (i + 1) % 3);
+    set_faces(p);
+}
+
+/* Where on the skeleton the nearest sphere sits. */
+typedef struct foot {
+    double distance;
+    int32_t edge;   /* its edge; -1: none: a corner, or within the triangle */
+    int32_t corner; /* its corner; -1: none */
+    double a, b;    /* on an edge: the parameter in a; within the triangle: weights of corners 1 and 2 */
+} foot;
+
+static double sphere_distance(const sph__primitive *p, int32_t i, const double x[3])
+{
+    return sph__distance(x, p->center[i]) - p->radius[i];
+}
+
+static void edge_foot(const sph__primitive *p, int32_t index, const double x[3], foot *f)
+{
+    const sph__primitive_edge *e = &p->edge[index];
+    double d[3], along, across, m;
+    f->edge = -1;
+    if (e->only >= 0) {
+        f->corner = e->only;
+        f->distance = sphere_distance(p, e->only, x);
+        return;
+    }
+    sph__subtract(x, p->center[e->from], d);
+    along = sph__dot(d, e->axis);
+    sph__add_scaled(d, -along, e->axis, d);
+    across = sph__norm(d);
+    m = along * e->cosine - across * e->sine; /* the parameter, times cosine * length */
+    if (m <= 0 || m >= e->cosine * e->length) {
+        f->corner = m <= 0 ? e->from : e->to;
+        f->distance = sphere_distance(p, f->corner, x);
+        return;
+    }
+    f->edge = index;
+    f->corner = -1;
+    f->a = m / (e->cosine * e->length);
+    f->distance = across * e->cosine + along * e->sine - p->radius[e->from];
+}
+
+static bool face_weights(const sph__primitive *p, const double d[3], double height, double *b1, double *b2)
+{
+    *b1 = sph__dot(p->gradient[0], d) - fabs(height) * p->gradient_tilt[0];
+    *b2 = sph__dot(p->gradient[1], d) - fabs(height) * p->gradient_tilt[1];
+    return *b1 >= 0 && *b2 >= 0 && *b1 + *b2 <= 1;
+}
+
+/* The function of the weights is convex: where its unconstrained minimum is not within the triangle, it is on an edge.
+ */
+static void find_foot(const sph__primitive *p, const double x[3], foot *f)
+{
+    if (p->corner_count == 1) {
+        *f = (foot){.distance = sphere_distance(p, 0, x), .edge = -1, .corner = 0};
+        return;
+    }
+    if (p->has_faces) {
+        double d[3], height;
+        sph__subtract(x, p->center[0], d);
+        height = sph__dot(d, p->plane_normal);
+        if (face_weights(p, d, height, &f->a, &f->b)) {
+            f->edge = f->corner = -1;
+            f->distance = sph__dot(d, p->tilt) + fabs(height) * p->rise - p->radius[0];
+            return;
+        }
+    }
+    edge_foot(p, 0, x, f);
+    for (int32_t i = 1; p->corner_count == 3 && i < 3; ++i) {
+        foot other = {0};
+        edge_foot(p, i, x, &other);
+        if (other.distance < f->distance) *f = other;
+    }
+}
+
+double sph__primitive_distance(const sph__primitive *p, const double x[3])
+{
+    foot f = {0};
+    find_foot(p, x, &f);
+    return f.distance;
+}
+
+static void corner_contact(const sph__primitive *p, int32_t i, const double x[3], sph__contact *c)
+{
+    double length;
+    sph__subtract(x, p->center[i], c->normal);
+    length = sph__norm(c->normal);
+    if (length > 0)
+        for (int k = 0; k < 3; ++k)
+            c->normal[k] /= length;
+    else
+        c->normal[2] = 1; /* all directions are equally near */
+    c->weights[i] = 1;
+}
+
+static void edge_contact(const sph__primitive *p, const foot *f, const double x[3], sph__contact *c)
+{
+    const sph__primitive_edge *e = &p->edge[f->edge];
+    double d[3], length;
+    sph__subtract(x, p->center[e->from], d);
+    sph__add_scaled(d, -sph__dot(d, e->axis), e->axis, d);
+    length = sph__norm(d);
+    if (length > DBL_MIN)
+        for (int k = 0; k < 3; ++k)
+            d[k] /= length;
+    else
+        sph__perpendicular(e->axis, d);
+    for (int k = 0; k < 3; ++k)
+        c->normal[k] = e->sine * e->axis[k] + e->cosine * d[k];
+    c->weights[e->from] = 1 - f->a;
+    c->weights[e->to] = f->a;
+}
+
+static void face_contact(const sph__primitive *p, const foot *f, const double x[3], sph__contact *c)
+{
+    double d[3], side;
+    sph__subtract(x, p->center[0], d);
+    side = sph__dot(d, p->plane_normal) < 0 ? -p->rise : p->rise;
+    sph__add_scaled(p->tilt, side, p->plane_normal, c->normal);
+    c->weights[1] = f->a;
+    c->weights[2] = f->b;
+    c->weights[0] = fmax(0, 1 - f->a - f->b);
+}
+
+void sph__primitive_closest(const sph__primitive *p, const double x[3], sph__contact *c)
+{
+    foot f = {0};
+    double radius = 0;
+    find_foot(p, x, &f);
+    memset(c, 0, sizeof *c);
+    c->distance = f.distance;
+    if (f.corner >= 0)
+        corner_contact(p, f.corner, x, c);
+    else if (f.edge >= 0)
+        edge_contact(p, &f, x, c);
+    else
+        face_contact(p, &f, x, c);
+    for (int32_t i = 0; i < p->corner_count; ++i) {
+        sph__add_scaled(c->point, c->weights[i], p->center[i], c->point);
+        radius += c->weights[i] * p->radius[i];
+    }
+    sph__add_scaled(c->point, radius, c->normal, c->point);
+}
+
+void sph__primitive_bounds(const sph__primitive *p, double low[3], double high[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        low[k] = DBL_MAX;
+        high[k] = -DBL_MAX;
+        for (int32_t i = 0; i < p->corner_count; ++i) {
+            low[k] = fmin(low[k], p->center[i][k] - p->radius[i]);
+            high[k] = fmax(high[k], p->center[i][k] + p->radius[i]);
+        }
+    }
+}
+
+void sph__primitive_face(const sph__primitive *p, int side, double corners[3][3], double normal[3])
+{
+    sph__add_scaled(p->tilt, side < 0 ? -p->rise : p->rise, p->plane_normal, normal);
+    for (int i = 0; i < 3; ++i)
+        sph__add_scaled(p->center[i], p->radius[i], normal, corners[i]);
+}
+
+/* The first s in [0, *best] at which the ray enters the sphere; *best becomes it. */
+static void cast_sphere(const double c[3], double r, const double o[3], const double d[3], double *best)
+{
+    double v[3], a = sph__dot(d, d), b, root, s;
+    sph__subtract(o, c, v);
+    b = sph__dot(v, d);
+    root = b * b - a * (sph__dot(v, v) - r * r);
+    if (root < 0 || b > 0 || a == 0) return;
+    s = (-b - sqrt(root)) / a;
+    if (s >= 0 && s <= *best) *best = s;
+}
+
+/* Is the point origin + s * direction of the cone one of the side between the two circles of contact? */
+static bool on_side(const sph__primitive_edge *e, double radius, double along)
+{
+    const double m = along - radius * e->sine, slack = e->cosine * e->cosine;
+    return m >= 0 && m <= e->length * slack && radius - e->sine * along >= 0;
+}
+
+/* A point of the side has across * cosine = radius - sine * along: a quadratic in s. */
+static void cast_side(const sph__primitive *p, const sph__primitive_edge *e, const double o[3], const double d[3],
+                      double *best)
+{
+    const double radius = p->radius[e->from];
+    double v[3], across[3], step[3], along, rate, a, b, c, root, q, s[2];
+    sph__subtract(o, p->center[e->from], v);
+    along = sph__dot(v, e->axis);
+    rate = sph__dot(d, e->axis);
+    for (int k = 0; k < 3; ++k) {
+        across[k] = e->cosine * (v[k] - along * e->axis[k]);
+        step[k] = e->cosine * (d[k] - rate * e->axis[k]);
+    }
+    a = sph__dot(step, step) - e->sine * e->sine * rate * rate;
+    b = sph__dot(across, step) + e->sine * rate * (radius - e->sine * along);
+    c = sph__dot(across, across) - (radius - e->sine * along) * (radius - e->sine * along);
+    root = b * b - a * c;
+    if (root < 0) return;
+    q = b < 0 ? -b + sqrt(root) : -b - sqrt(root); /* without cancellation; a or q may vanish: not finite below */
+    s[0] = q / a;
+    s[1] = c / q;
+    for (int i = 0; i < 2; ++i)
+        if (s[i] >= 0 && s[i] <= *best && on_side(e, radius, along + s[i] * rate)) *best = s[i];
+}
+
+static void cast_face(const sph__primitive *p, int side, const double o[3], const double d[3], double *best)
+{
+    double n[3], v[3], x[3], rate, s, b1, b2;
+    sph__add_scaled(p->tilt, side < 0 ? -p->rise : p->rise, p->plane_normal, n);
+    rate = sph__dot(n, d);
+    if (!(rate < 0)) return;
+    sph__subtract(o, p->center[0], v);
+    s = (p->radius[0] - sph__dot(n, v)) / rate;
+    if (!(s >= 0 && s <= *best)) return;
+    sph__add_scaled(v, s, d, x);
+    if (face_weights(p, x, sph__dot(x, p->plane_normal), &b1, &b2)) *best = s;
+}
+
+bool sph__primitive_cast(const sph__primitive *p, const double o[3], const double d[3], double limit, double *s)
+{
+    const int32_t edge_count = p->corner_count == 3 ? 3 : p->corner_count - 1;
+    double best;
+    if (!(limit >= 0)) return false;
+    if (limit > DBL_MAX / 2) limit = DBL_MAX / 2;
+    if (sph__primitive_distance(p, o) < 0) {
+        *s = 0;
+        return true;
+    }
+    best = nextafter(limit, DBL_MAX); /* so that a hit at the limit itself counts */
+    for (int32_t i = 0; i < p->corner_count; ++i)
+        cast_sphere(p->center[i], p->radius[i], o, d, &best);
+    for (int32_t i = 0; i < edge_count; ++i)
+        if (p->edge[i].only < 0) cast_side(p, &p->edge[i], o, d, &best);
+    if (p->has_faces) {
+        cast_face(p, 1, o, d, &best);
+        cast_face(p, -1, o, d, &best);
+    }
+    if (best > limit) return false;
+    *s = best;
+    return true;
+}

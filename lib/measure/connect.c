@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Which points are connected to infinity. Two points are joined when a path of one or two free segments leads from one
+ * to the other, a point and infinity when a free ray leads away: so everything joined truly is connected, nothing
+ * leaks, and the points that are joined to infinity by no chain are taken for ones in cavities.
+ */
+#include "measure/measure.h"
+
+#include <float.h>
+
+#include "numeric/vector.h"
+
+enum { NEIGHBOURS = 8, MEMBERS = 48, DIRECTIONS = 9, ROUNDS = 3, LEAF_SIZE = 4 };
+
+/* --- paths --- */
+
+/* Over the top of a bulge: to where both tangent planes are below, and down again. */
+static bool join_over(const sph__solid *solid, const sph__surface_point *a, const sph__surface_point *b)
+{
+    double up[3], middle[3], top[3], rise = 0, length;
+    for (int k = 0; k < 3; ++k) {
+        up[k] = a->normal[k] + b->normal[k];
+        middle[k] = 0.5 * (a->position[k] + b->position[k]);
+    }
+    length = sph__norm(up);
+    if (length < 0.5) return sph__solid_is_clear(solid, a->position, b->position);
+    for (int k = 0; k < 3; ++k)
+        up[k] /= length;
+    for (int end = 0; end < 2; ++end) {
+        const sph__surface_point *p = end == 0 ? a : b;
+        double d[3];
+        sph__subtract(p->position, middle, d);
+        rise = fmax(rise, sph__dot(d, p->normal) / sph__dot(up, p->normal));
+    }
+    sph__add_scaled(middle, rise + 0.05 * sph__distance(a->position, b->position), up, top);
+    return sph__solid_is_clear(solid, a->position, top) && sph__solid_is_clear(solid, top, b->position);
+}
+
+static bool join(const sph__solid *solid, const sph__surface_point *a, const sph__surface_point *b)
+{
+    double d[3];
+    sph__subtract(b->position, a->position, d);
+    if (sph__dot(a->normal, d) > 0 && sph__dot(b->normal, d) < 0) /* they face each other */
+        return sph__solid_is_clear(solid, a->position, b->position);
+    return join_over(solid, a, b);
+}
+
+/* A direction on the outer side of `normal`; number 0 is the normal. */
+static void choose_direction(const double normal[3], int number, double out[3])
+{
+    const double angle = 2.399963229728653 * number, z = 1 - (double)number / DIRECTIONS, r = sqrt(1 - z * z);
+    double a[3], b[3];
+    sph__perpendicular(normal, a);
+    sph__cross(normal, a, b);
+    for (int k = 0; k < 3; ++k)
+        out[k] = z * normal[k] + r * (cos(angle) * a[k] + sin(angle) * b[k]);
+}
+
+/* Where the ray from `position` lands, just off the solid; false when it goes to infinity. */
+static bool land(const sph__outer *outer, const double position[3], const double direction[3],
+                 sph__surface_point *landing)
+{
+    double s, x[3];
+    uint32_t which;
+    sph__contact c;
+    if (!sph__solid_cast(&outer->solid, position, direction, DBL_MAX, &s, &which)) return false;
+    sph__add_scaled(position, s, direction, x);
+    sph__primitive_closest(&outer->solid.primitives[which], x, &c);
+    sph__copy3(c.normal, landing->normal);
+    sph__add_scaled(c.point, outer->lift, c.normal, landing->position);
+    return true;
+}
+
+/* --- sets of points that are joined --- */
+
+static uint32_t find(uint32_t *parents, uint32_t i)
+{
+    while (parents[i] != i)
+        i = parents[i] = parents[parents[i]];
+    return i;
+}
+
+static void unite(uint32_t *parents, uint32_t a, uint32_t b)
+{
+    a = find(parents, a);
+    b = find(parents, b);
+    if (a < b) /* the higher one is the root: infinity is the highest */
+        parents[a] = b;
+    else
+        parents[b] = a;
+}
+
+/* Joins a point (of the set `self`) with its neighbours of other sets; with only one of them if `once`. */
+static void join_neighbours(sph__outer *outer, const sph__surface_point *from, uint32_t self, bool once)
+{
+    sph__neighbour found[NEIGHBOURS];
+    const uint32_t count =
+        sph__outer_nearest(outer, &outer->outer_tree, 0, from->position, INFINITY, NEIGHBOURS, found);
+    uint32_t *parents = outer->parents;
+    for (uint32_t k = 0; k < count; ++k) {
+        const uint32_t other = found[k].point;
+        if (!once && find(parents, self) == find(parents, other)) continue;
+        if (!join(&outer->solid, from, &outer->points[other])) continue;
+        unite(parents, self, other);
+        if (once) return;
+    }
+}
+
+static void join_by_ray(sph__outer *outer, uint32_t i, int number)
+{
+    const sph__surface_point *p = &outer->points[i];
+    double direction[3];
+    sph__surface_point landing;
+    choose_direction(p->normal, number, direction);
+    if (land(outer, p->position, direction, &landing))
+        join_neighbours(outer, &landing, i, true);
+    else
+        unite(outer->parents, i, outer->point_count);
+}
+
+/*
+ * Rays from some members of every set that is not joined to infinity yet. `members` counts how often a set has had its
+ * turn.
+ */
+static void join_sets_by_rays(sph__outer *outer, uint32_t *members)
+{
+    const uint32_t infinity = outer->point_count;
+    memset(members, 0, (size_t)outer->point_count * sizeof *members);
+    for (uint32_t i = 0; i < outer->point_count; ++i) {
+        const uint32_t root = find(outer->parents, i);
+        uint32_t turn;
+        if (root == find(outer->parents, infinity)) continue;
+        turn = members[root]++;
+        if (turn >= MEMBERS && (turn & (turn - 1)) != 0) continue; /* then only every so often */
+        for (int number = 0; number < DIRECTIONS; ++number)
+            join_by_ray(outer, i, number);
+    }
+}
+
+static bool set_boxes(sph__outer *outer)
+{
+    if (!sph__reserve(outer->context, (void **)&outer->boxes, &outer->box_capacity, outer->point_count,
+                      sizeof *outer->boxes))
+        return false;
+    for (uint32_t i = 0; i < outer->point_count; ++i)
+        sph__box_set(&outer->boxes[i], outer->points[i].position, outer->points[i].position);
+    return true;
+}
+
+static bool build_tree(sph__outer *outer, sph__box_tree *tree, uint32_t first, uint32_t count)
+{
+    if (sph__box_tree_reserve(tree, outer->context, count, LEAF_SIZE) != SPH_OK) return false;
+    sph__box_tree_build(tree, outer->boxes + first, count, LEAF_SIZE);
+    return true;
+}
+
+static void join_all(sph__outer *outer, uint32_t *members)
+{
+    const uint32_t infinity = outer->point_count;
+    uint32_t *parents = outer->parents;
+    for (uint32_t i = 0; i <= infinity; ++i)
+        parents[i] = i;
+    for (uint32_t i = 0; i < infinity; ++i) {
+        double s;
+        if (!sph__solid_cast(&outer->solid, outer->points[i].position, outer->points[i].normal, DBL_MAX, &s, NULL))
+            unite(parents, i, infinity);
+    }
+    for (uint32_t i = 0; i < infinity; ++i)
+        if (find(parents, i) != find(parents, infinity)) join_neighbours(outer, &outer->points[i], i, false);
+    for (int round = 0; round < ROUNDS; ++round)
+        join_sets_by_rays(outer, members);
+}
+
+/* Outer points first, each kind in its old order. `sorted` has room for all. */
+static void sort_points(sph__outer *outer, sph__surface_point *sorted)
+{
+    const uint32_t count = outer->point_count, root = find(outer->parents, count), extremes = outer->extreme_begin;
+    uint32_t kept = 0, cavity = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (i == extremes) outer->extreme_begin = kept;
+        if (find(outer->parents, i) == root) sorted[kept++] = outer->points[i];
+    }
+    if (extremes == count) outer->extreme_begin = kept;
+    for (uint32_t i = 0; i < count; ++i)
+        if (find(outer->parents, i) != root) sorted[kept + cavity++] = outer->points[i];
+    memcpy(outer->points, sorted, count * sizeof *sorted);
+    outer->outer_count = kept;
+    outer->has_cavities = cavity != 0;
+}
+
+bool sph__outer_connect(sph__outer *outer)
+{
+    const uint32_t count = outer->point_count;
+    sph__surface_point *sorted = sph__alloc(outer->context, count, sizeof *sorted);
+    uint32_t *members = sph__alloc(outer->context, count, sizeof *members);
+    bool done = sorted != NULL && members != NULL &&
+                sph__reserve(outer->context, (void **)&outer->parents, &outer->parent_capacity, (size_t)count + 1,
+                             sizeof *outer->parents) &&
+                set_boxes(outer) && build_tree(outer, &outer->outer_tree, 0, count);
+    if (done) {
+        join_all(outer, members);
+        sort_points(outer, sorted);
+        done = set_boxes(outer) && build_tree(outer, &outer->outer_tree, 0, outer->outer_count) &&
+               build_tree(outer, &outer->cavity_tree, outer->outer_count, count - outer->outer_count);
+    }
+    sph__free(outer->context, sorted);
+    sph__free(outer->context, members);
+    return done;
+}
+
+/* --- any other point --- */
+
+/* 1 outside, 0 in a cavity, -1 unknown: by the first neighbour that it can be joined to. */
+static int ask_neighbours(const sph__outer *outer, const sph__surface_point *p)
+{
+    sph__neighbour a[NEIGHBOURS / 2], b[NEIGHBOURS / 2];
+    const uint32_t outside = sph__outer_nearest(outer, &outer->outer_tree, 0, p->position, INFINITY, NEIGHBOURS / 2, a);
+    const uint32_t inside =
+        sph__outer_nearest(outer, &outer->cavity_tree, outer->outer_count, p->position, INFINITY, NEIGHBOURS / 2, b);
+    uint32_t i = 0, j = 0;
+    while (i < outside || j < inside) {
+        const bool take_outside = j == inside || (i < outside && a[i].distance2 <= b[j].distance2);
+        const sph__neighbour *n = take_outside ? &a[i++] : &b[j++];
+        if (join(&outer->solid, p, &outer->points[n->point])) return take_outside;
+    }
+    return -1;
+}
+
+bool sph__outer_is_outside(const sph__outer *outer, const double position[3], const double normal[3])
+{
+    sph__surface_point p;
+    int answer;
+    if (!outer->has_cavities) return true;
+    sph__copy3(position, p.position);
+    sph__copy3(normal, p.normal);
+    answer = ask_neighbours(outer, &p);
+    for (int number = 0; answer < 0 && number < DIRECTIONS; ++number) {
+        sph__surface_point landing;
+        double direction[3];
+        choose_direction(normal, number, direction);
+        if (!land(outer, position, direction, &landing)) return true;
+        answer = ask_neighbours(outer, &landing);
+    }
+    return answer == 1; /* a niche that nothing can be seen from counts as a cavity */
+}
