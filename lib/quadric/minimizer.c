@@ -78,15 +78,16 @@ static sph__box_minimum minimize_with_segments(const sph__box *box, double radiu
 {
     const bool mu_vanishes = !(box->mu > box->noise * box->mu_scale);
     const bool w2_vanishes = !(box->w2 > box->noise * box->w2_scale);
-    const double determinant = box->mu * box->w2 - box->nu * box->nu;
-    const double determinant_scale = box->mu_scale * box->w2 + box->w2_scale * box->mu;
-    const bool singular = mu_vanishes || w2_vanishes || !(determinant > 2.0 * box->noise * determinant_scale);
+    /* The determinant and its scale, both divided by mu: products of three coefficients may underflow. */
+    const double schur = box->w2 - box->nu * (box->nu / box->mu);
+    const double schur_scale = box->w2 * (box->mu_scale / box->mu) + box->w2_scale;
+    const bool singular = mu_vanishes || w2_vanishes || !(schur > 2.0 * box->noise * schur_scale);
     sph__box_minimum sides[SIDES];
     size_t count = 0;
 
     if (!singular) {
         /* By elimination, not by Cramer's rule: however wrong r is, this lambda is the best for it. */
-        const double r = (box->beta3 - box->nu * (box->beta1 / box->mu)) / (determinant / box->mu);
+        const double r = (box->beta3 - box->nu * (box->beta1 / box->mu)) / schur;
         const double lambda = (box->beta1 - box->nu * r) / box->mu;
         if (lambda >= 0.0 && lambda <= 1.0 && r >= 0.0 && r <= radius_max && isfinite(r)) return point(box, lambda, r);
     }

@@ -2,7 +2,6 @@
 #include <sphmesh/quadric.h>
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "base/base.h"
 #include "numeric/numeric.h"
@@ -67,9 +66,8 @@ uint32_t sph_quadric_frame_count(const sph_quadric *quadric)
 
 static bool is_finite_frame(const frame_terms *frame)
 {
-    return isfinite(frame->m[0]) && isfinite(frame->m[3]) && isfinite(frame->m[5]) && sph__is_finite3(frame->m) &&
-           isfinite(frame->m[4]) && sph__is_finite3(frame->n) && sph__is_finite3(frame->b) &&
-           sph__is_finite3(frame->anchor);
+    return sph__is_finite3(frame->m) && sph__is_finite3(frame->m + 3) && sph__is_finite3(frame->n) &&
+           sph__is_finite3(frame->b) && sph__is_finite3(frame->anchor);
 }
 
 static bool is_finite_sums(const scalar_terms *sums)
