@@ -7,7 +7,6 @@
 #include <float.h>
 #include <lapacke.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <sphmesh/quadric.h>
@@ -227,7 +226,7 @@ static bool is_fixed(const scene *s, uint32_t f)
 }
 
 /* One row: root * (direction . q_f + r_part * r) = root * value. */
-typedef struct system {
+typedef struct least_squares {
     double a[ROWS * COLUMNS], y[ROWS];
     int rows, columns, column_of[FRAMES], lambda_column, r_column;
 } least_squares;
@@ -236,7 +235,6 @@ static void add_row(least_squares *ls, const scene *s, uint32_t f, const double 
                     double value, double root, double lambda, double r)
 {
     double *row = ls->a + (size_t)ls->rows * COLUMNS;
-    memset(row, 0, COLUMNS * sizeof *row);
     if (ls->column_of[f] >= 0) {
         for (int j = 0; j < 3; ++j)
             row[ls->column_of[f] + j] = root * direction[j];
@@ -262,16 +260,13 @@ static void add_row(least_squares *ls, const scene *s, uint32_t f, const double 
 static bool solve_side(const scene *s, double lambda, double r, double *best)
 {
     static least_squares ls;
-    double singular[COLUMNS], centers[3 * FRAMES], compact[ROWS * COLUMNS], x[ROWS];
+    double singular[COLUMNS], centers[3 * FRAMES], x[ROWS] = {0};
     lapack_int rank;
-    ls.rows = ls.columns = 0;
-    for (uint32_t f = 0; f < s->frame_count; ++f)
-        if (is_fixed(s, f)) {
-            ls.column_of[f] = ls.columns;
-            ls.columns += 3;
-        } else {
-            ls.column_of[f] = -1;
-        }
+    memset(&ls, 0, sizeof ls);
+    for (uint32_t f = 0; f < s->frame_count; ++f) {
+        ls.column_of[f] = is_fixed(s, f) ? ls.columns : -1;
+        if (ls.column_of[f] >= 0) ls.columns += 3;
+    }
     ls.lambda_column = isnan(lambda) ? ls.columns++ : -1;
     ls.r_column = isnan(r) ? ls.columns++ : -1;
     for (uint32_t f = 0; f < s->frame_count; ++f) {
@@ -285,16 +280,11 @@ static bool solve_side(const scene *s, double lambda, double r, double *best)
             add_row(&ls, s, f, axis, 0, s->center[f][j], sqrt(s->attachment[f]), lambda, r);
         }
     }
-    memset(x, 0, sizeof x);
-    memcpy(x, ls.y, (size_t)ls.rows * sizeof *x);
-    for (int i = 0; i < ls.rows; ++i)
-        memcpy(compact + i * ls.columns, ls.a + i * COLUMNS, (size_t)ls.columns * sizeof *compact);
-    if (ls.rows > 0 && ls.columns > 0)
+    if (ls.rows > 0 && ls.columns > 0) {
+        memcpy(x, ls.y, sizeof ls.y);
         ck_assert_int_eq(
-            LAPACKE_dgelsd(LAPACK_ROW_MAJOR, ls.rows, ls.columns, 1, compact, ls.columns, x, 1, singular, 1e-13, &rank),
-            0);
-    else
-        memset(x, 0, sizeof x);
+            LAPACKE_dgelsd(LAPACK_ROW_MAJOR, ls.rows, ls.columns, 1, ls.a, COLUMNS, x, 1, singular, 1e-13, &rank), 0);
+    }
     if (ls.lambda_column >= 0) lambda = x[ls.lambda_column];
     if (ls.r_column >= 0) r = x[ls.r_column];
     if (lambda < 0 || lambda > 1 || r < 0 || r > s->radius_max) return false;
@@ -348,7 +338,8 @@ static double total_weight(const scene *s)
 static void compare(sph_context *context, const scene *s, const scene *local, double by)
 {
     /* Lengths are some units. Where the optimum itself is rounding, so is the difference. */
-    const double weight = total_weight(s), best = brute_force(local), tolerance = 1e-9 * best + 1e-13 * weight + DBL_MIN;
+    const double weight = total_weight(s), best = brute_force(local),
+                 tolerance = 1e-9 * best + 1e-13 * weight + DBL_MIN;
     sph_quadric *q = quadric_of(context, s, 0, 2), *rest = quadric_of(context, s, 1, 2);
     sph_quadric_minimum minimum;
     double centers[3 * FRAMES], evaluated;
