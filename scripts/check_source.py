@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""What neither a compiler nor a formatter sees: banned calls, who includes whom, licence lines, long files.
+"""What neither a compiler nor a formatter sees: banned calls, who includes whom, licence lines, long files, links.
 
-    check_source.py calls|includes|licence|length|headers      one line per finding; exit 1 when there is one
+    check_source.py calls|includes|licence|length|headers|links      one line per finding; exit 1 when there is one
 """
 import pathlib
 import re
@@ -89,7 +89,16 @@ def headers():
             yield f"{name}: not included by sphmesh.h"
 
 
-CHECKS = {f.__name__: f for f in (calls, includes, licence, length, headers)}
+def links():
+    """Every relative link of a page leads to a file of the project."""
+    pages = sorted(ROOT.glob("*.md")) + sorted((ROOT / "docs").rglob("*.md"))
+    for page in pages:
+        for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", page.read_text()):
+            if "://" not in target and not target.startswith("mailto:") and not (page.parent / target).exists():
+                yield f"{page.relative_to(ROOT)}: no {target}"
+
+
+CHECKS = {f.__name__: f for f in (calls, includes, licence, length, headers, links)}
 
 if __name__ == "__main__":
     if len(sys.argv) != 2 or sys.argv[1] not in CHECKS:

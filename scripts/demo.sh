@@ -15,5 +15,4 @@ ninja -C build-demo
 build-demo/src/sphmesh demo -o demo-output "$@"
 
 echo
-echo "The results are in $PWD/demo-output:"
-ls -l demo-output
+echo "All files are in $PWD/demo-output."

@@ -7,7 +7,8 @@
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 
-work=$PWD/build-test
+top=$PWD
+work=$top/build-test
 jobs=$(nproc)
 passed=0
 failed=0
@@ -86,10 +87,11 @@ headers_stand_alone() {
     return $result
 }
 
-# consumer KIND SOURCE PACKAGE: compiles against the staged install by pkg-config alone, and runs.
+# consumer KIND SOURCE PACKAGE [FLAG...]: compiles against the staged install by pkg-config alone, and runs.
 consumer() {
     local kind=$1 source=$2 package=$3 stage=$work/stage-$1 out flags=() options=()
-    out=$work/consumer-$kind-${source##*/}
+    out=$work/consumer-$kind-$(basename "$source" | tr . -)
+    shift 3
     local compiler=(gcc -std=c11)
     [ "${source##*.}" = cpp ] && compiler=(g++ -std=c++17)
     [ "$kind" = static ] && options=(--static)
@@ -97,10 +99,43 @@ consumer() {
     read -r -a flags <<<"$(pkg-config "${options[@]}" --cflags --libs "$package")"
     unset PKG_CONFIG_SYSROOT_DIR PKG_CONFIG_PATH
     echo "${flags[*]}"
-    "${compiler[@]}" -Wall -Wextra -Werror -o "$out" "$source" "${flags[@]}" || return 1
+    "${compiler[@]}" -Wall -Wextra -Werror -o "$out" "$source" "${flags[@]}" "$@" || return 1
     if [ "$kind" = static ] && ldd "$out" | grep sphmesh; then return 1; fi
     if [ "$kind" = shared ] && ! ldd "$out" | grep -q 'libsphmesh\.so\.0'; then return 1; fi
-    LD_LIBRARY_PATH=$stage/usr/lib "$out"
+    (cd "$work/walk" && LD_LIBRARY_PATH=$stage/usr/lib "$out")
+}
+
+# An animation to try things on: walk.obj and walk.pc2, in a folder of their own.
+make_walk() {
+    rm -rf "$work/walk"
+    "$work/release/src/sphmesh" demo --quiet --resolution 32 --frame-count 6 --samples 100 -o "$work/walk" &&
+        mv "$work/walk/creature.obj" "$work/walk/walk.obj" && mv "$work/walk/creature.pc2" "$work/walk/walk.pc2"
+}
+
+# The two commands of README.md.
+readme_commands() (
+    cd "$work/walk" || exit 1
+    PATH=$work/release/src:$PATH
+    while read -r command; do
+        echo "$command"
+        eval "$command" </dev/null || exit 1
+    done < <(sed -n '/^## With an animation/,/^## /s/^sphmesh /sphmesh /p' "$top/README.md")
+    [ -s walk40.json ] && grep -q '"spheres": *40' walk40.json
+)
+
+# same_bits BUILD...: what the demo writes is the same, byte for byte, from every build and for any number of threads.
+same_bits() {
+    local name threads first='' out
+    rm -rf "$work/same"
+    mkdir "$work/same"
+    for name in "$@"; do
+        for threads in 1 2 5; do
+            out=$work/same/$name-$threads
+            "$work/$name/src/sphmesh" demo --quiet --resolution 32 --frame-count 6 --samples 100 \
+                --threads $threads -o "$out" || return 1
+            diff -rq "${first:=$out}" "$out" || return 1
+        done
+    done
 }
 
 # stage KIND: an installed tree with the shared libraries only, or the static ones only.
@@ -123,6 +158,7 @@ if wanted source; then
     check "includes point one way" scripts/check_source.py includes
     check "every file names its licence" scripts/check_source.py licence
     check "every public header is installed" scripts/check_source.py headers
+    check "every link of the documentation leads somewhere" scripts/check_source.py links
     check "headers stand alone as C11 (gcc)" headers_stand_alone gcc -std=c11 -xc
     check "headers stand alone as C11 (clang)" headers_stand_alone clang -std=c11 -xc
     check "headers stand alone as C++11 (gcc)" headers_stand_alone g++ -std=c++11 -xc++
@@ -145,6 +181,10 @@ if wanted portable; then
     build portable -Dsimd=disabled -Doptimization=3 && run portable
 fi
 
+if wanted gcc && wanted clang && wanted portable; then
+    check "every build and any number of threads give the same bits" same_bits gcc clang portable
+fi
+
 if wanted sanitize; then
     say "address and undefined behaviour sanitizers"
     export ASAN_OPTIONS=abort_on_error=0:detect_stack_use_after_return=1:allocator_may_return_null=1
@@ -163,9 +203,14 @@ if wanted install; then
     say "installed"
     if build release -Dbuildtype=release -Doptimization=3 --prefix=/usr --libdir=lib -Dtests=disabled; then
         check "the libraries export what the headers say, and share no state" scripts/check_symbols.py "$work/release"
+        check "the program makes its demo" make_walk
+        check "the commands of README.md work" readme_commands
+        awk '/^```c$/ { on = 1; next } /^```/ { on = 0 } on' README.md >"$work/readme.c"
         for kind in shared static; do
             check "$kind libraries install" stage $kind
             check "a C program finds the $kind libraries" consumer $kind tests/install/consumer.c sphmesh-io
+            check "an example builds with the $kind core" consumer $kind examples/first_steps.c sphmesh -lm
+            check "the program of README.md runs ($kind)" consumer $kind "$work/readme.c" sphmesh-io
             check "a C++ program finds the $kind core" consumer $kind tests/install/consumer.cpp sphmesh
         done
     fi
