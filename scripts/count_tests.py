@@ -7,6 +7,7 @@ ended badly without a failed case (a crash, a timeout) is one failure more.
 """
 import json
 import pathlib
+import re
 import sys
 import xml.etree.ElementTree as xml
 
@@ -39,9 +40,11 @@ def main(build):
 
     for line in (logs / "testlog.json").read_text().splitlines():
         test = json.loads(line)
-        name = test["name"].split(" / ")[-1]
+        name = test["name"].split(" / ")[-1]  # "project:suite / test", or the test alone
         whole = "passed" if test["result"] in GOOD else "skipped" if test["result"] == "SKIP" else "failed"
-        cases = suites.get(f"sphmesh.{name}", [])
+        cases = suites.get(f"sphmesh.{test['name']}", [])
+        if not cases and re.search(r"^(not )?ok \d", test.get("stdout", ""), re.M):
+            sys.exit(f"the cases of {name} are not in {logs / 'testlog.junit.xml'}")
         for case, state in cases:
             add(f"{name}: {case}", state)
         if not cases or (whole == "failed" and all(state != "failed" for _, state in cases)):
