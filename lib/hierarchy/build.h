@@ -78,7 +78,6 @@ typedef struct sph__builder {
     uint32_t *member_stamps; /* [n] */
     uint32_t stamp;
     double *extent_low, *extent_high; /* [stride] scratch */
-    uint64_t width_visits;
 
     sph__blocks blocks;
     sph__slot *slots;     /* [n] */
@@ -89,6 +88,10 @@ typedef struct sph__builder {
     sph__candidate *candidates; /* per edge */
     sph__heap queue, refused;
     float *new_center;    /* [3][stride] */
+    /* With radii per frame: */
+    float *new_radii;     /* [stride] */
+    double *union_widths; /* [stride]: exact, of the edge exact_edge */
+    uint32_t exact_edge;
     double live_cost, live_weight; /* of all regions: costs, W */
     sph__births births;
     sph__keyed *keys; /* scratch */
@@ -125,6 +128,18 @@ void sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot *v, s
 double sph__union_width_bound(sph__builder *b, const sph__slot *u, const sph__slot *v);
 /* The union's bounds, into u's. */
 void sph__unite_width_bounds(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate);
+
+/* Exact widths of the union of two regions in every frame. */
+void sph__union_frame_widths(sph__builder *b, const sph__slot *u, const sph__slot *v, double *widths);
+
+/* Radii per frame. Blocks have FRAME_ROWS more rows: W, B and c of each frame. */
+enum { SPH__FRAME_ROWS = 3 };
+sph_status sph__per_frame_start(sph__builder *b);
+/* The cost within the bounds of `widths`; NULL: without bounds, which is no more. */
+double sph__per_frame_cost(const sph__builder *b, uint32_t u, uint32_t v, const double *widths);
+/* The sphere into new_center and new_radii. */
+void sph__per_frame_sphere(sph__builder *b, uint32_t u, uint32_t v, const double *widths);
+double sph__per_frame_unite(sph__builder *b, uint32_t u, uint32_t v);
 
 /* The minimum of the united quadric with 0 <= r <= radius_max, from its sums. */
 sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double radius_max);

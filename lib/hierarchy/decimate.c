@@ -53,10 +53,14 @@ static double evaluate(sph__builder *b, uint32_t edge, sph__candidate *candidate
     sph__minimum minimum;
     double lower, upper;
     edge_ends(b, edge, &nu, &nv);
+    *candidate = (sph__candidate){.exact = 1};
+    if (b->h->radii_per_frame) {
+        candidate->exact = 0;
+        return sph__per_frame_cost(b, nu, nv, NULL);
+    }
     u = sph__region_of(b, nu);
     v = sph__region_of(b, nv);
     sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
-    *candidate = (sph__candidate){.exact = 1};
     if (b->options.radius_mode == SPH_RADIUS_ZERO) {
         minimum = sph__sums_minimize(&sums, u.radius, 0);
     } else {
@@ -81,12 +85,17 @@ static double evaluate_exactly(sph__builder *b, uint32_t edge, sph__candidate *c
     sph__sums sums;
     sph__minimum minimum;
     edge_ends(b, edge, &nu, &nv);
+    candidate->exact = 1;
+    if (b->h->radii_per_frame) {
+        sph__union_frame_widths(b, slot_of(b, nu), slot_of(b, nv), b->union_widths);
+        b->exact_edge = edge;
+        return sph__per_frame_cost(b, nu, nv, b->union_widths);
+    }
     u = sph__region_of(b, nu);
     v = sph__region_of(b, nv);
     sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
     sph__union_width(b, slot_of(b, nu), slot_of(b, nv), candidate);
     minimum = sph__sums_minimize(&sums, u.radius, b->radius_factor * candidate->width);
-    candidate->exact = 1;
     candidate->lambda = minimum.lambda;
     candidate->radius = minimum.radius;
     return minimum.cost;
@@ -153,9 +162,14 @@ static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint3
     const float radius = (float)candidate->radius;
     sph_hierarchy *h = b->h;
     memcpy(sph__node_center(b, w), b->new_center, b->node_floats * sizeof(float));
-    h->radii[w] = radius;
     b->live_cost -= su->c + sv->c;
-    sph__kernel_unite(&u, &v, b->stride, b->new_center, (double)radius, su->block, &su->w, &su->b, &su->c);
+    if (h->radii_per_frame) {
+        memcpy(h->radii + w * b->stride, b->new_radii, b->stride * sizeof(float));
+        su->c = sph__per_frame_unite(b, nu, nv);
+    } else {
+        h->radii[w] = radius;
+        sph__kernel_unite(&u, &v, b->stride, b->new_center, (double)radius, su->block, &su->w, &su->b, &su->c);
+    }
     if (su->c < 0) su->c = 0;
     b->live_cost += su->c;
     if (b->means != NULL) sph__kernel_unite_means(u.mean, v.mean, b->stride, (float *)u.mean);
@@ -231,6 +245,21 @@ static sph_status next_edge(sph__builder *b, uint32_t *edge, double *cost, bool 
     }
 }
 
+/* The sphere of an edge whose cost is exact. */
+static void make_sphere(sph__builder *b, uint32_t edge, uint32_t nu, uint32_t nv)
+{
+    const sph__candidate *candidate = &b->candidates[edge];
+    const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
+    if (!b->h->radii_per_frame) {
+        sph__kernel_centers(&u, &v, b->stride, b->coherence, candidate->lambda, (double)(float)candidate->radius,
+                            b->new_center);
+        return;
+    }
+    if (b->exact_edge != edge) sph__union_frame_widths(b, slot_of(b, nu), slot_of(b, nv), b->union_widths);
+    b->exact_edge = edge;
+    sph__per_frame_sphere(b, nu, nv, b->union_widths);
+}
+
 static sph_status step(sph__builder *b)
 {
     uint32_t edge = 0, u, v;
@@ -238,15 +267,11 @@ static sph_status step(sph__builder *b)
     double cost = 0;
     sph_status status;
     sph__candidate *candidate;
-    sph__region ru, rv;
     status = next_edge(b, &edge, &cost, &forced);
     if (status != SPH_OK) return status;
     candidate = &b->candidates[edge];
     edge_ends(b, edge, &u, &v);
-    ru = sph__region_of(b, u);
-    rv = sph__region_of(b, v);
-    sph__kernel_centers(&ru, &rv, b->stride, b->coherence, candidate->lambda, (double)(float)candidate->radius,
-                        b->new_center);
+    make_sphere(b, edge, u, v);
     if (!forced && (inverts_around(b, u, v) || inverts_around(b, v, u))) {
         candidate->refused = 1;
         return sph__heap_set(&b->refused, edge, cost, edge_tie(b, edge));

@@ -72,7 +72,8 @@ static sph_status allocate_builder(sph__builder *b)
     b->slot_of = sph__alloc(b->context, 2 * (size_t)b->n - 1, sizeof *b->slot_of);
     b->next_member = sph__alloc(b->context, b->n, sizeof *b->next_member);
     b->member_stamps = sph__zalloc(b->context, b->n, sizeof *b->member_stamps);
-    sph__blocks_init(&b->blocks, b->context, SPH__BLOCK_ROWS * b->stride);
+    sph__blocks_init(&b->blocks, b->context,
+                     (SPH__BLOCK_ROWS + (b->h->radii_per_frame ? SPH__FRAME_ROWS : 0)) * b->stride);
     sph__heap_init(&b->queue, b->animation->context);
     sph__heap_init(&b->refused, b->animation->context);
     if (b->slots == NULL || b->slot_of == NULL || b->next_member == NULL || b->member_stamps == NULL)
@@ -103,6 +104,8 @@ static void free_builder(sph__builder *b)
     sph__heap_free(&b->queue);
     sph__heap_free(&b->refused);
     sph__free(context, b->new_center);
+    sph__free(context, b->new_radii);
+    sph__free(context, b->union_widths);
     sph__free(context, b->births.edges);
     sph__free(context, b->births.triangles);
     sph__free(context, b->keys);
@@ -123,6 +126,7 @@ static sph_status run_steps(sph__builder *b)
     sph__progress_part(&b->progress, 0.05);
     if (status == SPH_OK) status = sph__progress_report(&b->progress, "quadrics", 0);
     if (status == SPH_OK) status = sph__make_leaves(b);
+    if (status == SPH_OK && b->h->radii_per_frame) status = sph__per_frame_start(b);
     if (status == SPH_OK) status = sph__make_widths(b);
     if (status == SPH_OK) status = sph__record_leaves(b);
     if (status == SPH_OK) status = sph__decimate(b);

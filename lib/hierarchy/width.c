@@ -53,12 +53,15 @@ typedef struct extent_points {
     int inside[2]; /* of the region */
 } extent_points;
 
-SPH__CLONES static void widen_triangle(const extent_points *p, const float *origin, size_t s, const double k[3],
-                                       double *low, double *high)
+/* Widens the extents of all frames by a triangle of a vertex's cell; returns the least of them. */
+SPH__CLONES static double widen_triangle(const extent_points *p, const float *origin, size_t s, size_t frames,
+                                         const double k[3], double *low, double *high)
 {
+    sph__v8d least = {INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY};
+    double result;
     for (size_t i = 0; i < s; i += SPH__LANES) {
         const sph__v8d o[3] = {sph__load(origin, i), sph__load(origin, s + i), sph__load(origin, 2 * s + i)};
-        sph__v8d *l = (sph__v8d *)(low + i), *h = (sph__v8d *)(high + i);
+        sph__v8d *l = (sph__v8d *)(low + i), *h = (sph__v8d *)(high + i), extent;
         const sph__v8d x = project(p->vertex, s, i, o, k);
         widen(x, l, h);
         if (p->others[0] != NULL) {
@@ -67,15 +70,25 @@ SPH__CLONES static void widen_triangle(const extent_points *p, const float *orig
             if (!p->inside[1]) widen(0.5 * (x + z), l, h);
             widen((x + y + z) * (1.0 / 3.0), l, h);
         }
+        extent = *h - *l;
+        for (size_t f = frames; f < i + SPH__LANES; ++f) extent[f - i] = INFINITY; /* padding */
+        least = sph__select(extent < least, extent, least);
     }
+    result = least[0];
+    for (size_t l = 1; l < SPH__LANES; ++l) result = least[l] < result ? least[l] : result;
+    return result;
 }
 
-/* Widens low and high by the cells of a region's vertices along direction k. */
-static void widen_region(sph__builder *b, const sph__slot *slot, const float *origin, const double k[3])
+/*
+ * Widens low and high by the cells of a region's vertices along direction k, until the least extent reaches `enough`:
+ * extents only grow, so then this direction is not the thinnest. Returns the least extent.
+ */
+static double widen_region(sph__builder *b, const sph__slot *slot, const float *origin, const double k[3],
+                           double enough)
 {
     const size_t s = b->stride;
+    double least = 0;
     uint32_t v = slot->first;
-    b->width_visits += slot->count;
     for (uint32_t m = 0; m < slot->count; ++m, v = b->next_member[v]) {
         const float *center = sph__node_center(b, v);
         int any = 0;
@@ -89,13 +102,16 @@ static void widen_region(sph__builder *b, const sph__slot *slot, const float *or
             }
             if (points.inside[0] && points.inside[1]) continue;
             any = 1;
-            widen_triangle(&points, origin, s, k, b->extent_low, b->extent_high);
+            least = widen_triangle(&points, origin, s, b->frames, k, b->extent_low, b->extent_high);
+            if (least >= enough) return least;
         }
         if (!any) {
             const extent_points points = {.vertex = center};
-            widen_triangle(&points, origin, s, k, b->extent_low, b->extent_high);
+            least = widen_triangle(&points, origin, s, b->frames, k, b->extent_low, b->extent_high);
+            if (least >= enough) return least;
         }
     }
+    return least;
 }
 
 static double project_frame(const sph__builder *b, uint32_t v, uint32_t frame, const double k[3])
@@ -151,24 +167,23 @@ double sph__union_width_bound(sph__builder *b, const sph__slot *u, const sph__sl
     return (x < y ? x : y) * BOUND_SLACK;
 }
 
-/* Least over frames of the union's extent in one direction; *frame where. */
-static double union_extent(sph__builder *b, const sph__slot *u, const sph__slot *v, uint32_t direction, uint32_t *frame)
+/* Least over frames of the union's extent in one direction, and the frame; or anything from `enough` on. */
+static double union_extent(sph__builder *b, const sph__slot *u, const sph__slot *v, uint32_t direction, double enough,
+                           uint32_t *frame)
 {
     const float *origin = sph__node_center(b, u->first);
-    double least = INFINITY;
+    double least;
     for (size_t f = 0; f < b->stride; ++f) {
         b->extent_low[f] = INFINITY;
         b->extent_high[f] = -INFINITY;
     }
-    widen_region(b, u, origin, b->directions[direction]);
-    widen_region(b, v, origin, b->directions[direction]);
-    for (uint32_t f = 0; f < b->frames; ++f) {
-        const double extent = b->extent_high[f] - b->extent_low[f];
-        if (extent < least) {
-            least = extent;
+    least = widen_region(b, u, origin, b->directions[direction], enough);
+    if (least < enough) least = widen_region(b, v, origin, b->directions[direction], enough);
+    for (uint32_t f = 0; f < b->frames; ++f)
+        if (b->extent_high[f] - b->extent_low[f] <= least) {
             *frame = f;
+            break;
         }
-    }
     return least;
 }
 
@@ -199,7 +214,7 @@ void sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot *v, s
         double extent;
         memcpy(&bound, &bits, sizeof bound);
         if ((double)bound >= best) break;
-        extent = union_extent(b, u, v, j, &frame);
+        extent = union_extent(b, u, v, j, best, &frame);
         if (extent < best) {
             best = extent;
             candidate->width_direction = j;
@@ -207,6 +222,22 @@ void sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot *v, s
         }
     }
     candidate->width = best;
+}
+
+void sph__union_frame_widths(sph__builder *b, const sph__slot *u, const sph__slot *v, double *widths)
+{
+    for (uint32_t f = 0; f < b->frames; ++f) widths[f] = INFINITY;
+    ++b->stamp;
+    mark_members(b, u);
+    mark_members(b, v);
+    for (uint32_t j = 0; j < b->direction_count; ++j) {
+        uint32_t frame;
+        union_extent(b, u, v, j, INFINITY, &frame);
+        for (uint32_t f = 0; f < b->frames; ++f) {
+            const double extent = b->extent_high[f] - b->extent_low[f];
+            if (extent < widths[f]) widths[f] = extent;
+        }
+    }
 }
 
 void sph__unite_width_bounds(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate)
