@@ -14,7 +14,7 @@ static const char STAGE[] = "comparing close vertices";
 /* Cells are a little wider than the tolerance: rounding must not put two close vertices two cells apart. */
 static const double CELL_MARGIN = 1.001;
 
-enum { NONE = UINT32_MAX };
+#define NONE UINT32_MAX
 
 /* What a pass over the frames finds out about one group. */
 typedef struct group {

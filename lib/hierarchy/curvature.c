@@ -12,11 +12,10 @@ typedef struct tensor_sums {
     sph__v8d t[6], area;
 } tensor_sums;
 
-SPH__INLINE sph__v8d root_of(sph__v8d x)
+SPH__INLINE void take_length(const sph__v8d x[3], sph__v8d *length)
 {
-    sph__v8d y;
-    for (size_t l = 0; l < SPH__LANES; ++l) y[l] = sqrt(x[l]);
-    return y;
+    *length = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    for (size_t l = 0; l < SPH__LANES; ++l) (*length)[l] = sqrt((*length)[l]);
 }
 
 /* Twice the area vector of (p, q, r). */
@@ -40,19 +39,19 @@ SPH__CLONES static void add_spoke(const float *p, const float *q, const float *r
     for (size_t i = 0; i < s; i += SPH__LANES) {
         sph__v8d n[3], m[3], d[3], e[3], length, other, edge, angle, sign, dot, scale;
         area_vector(p, q, r, s, i, n);
-        length = root_of(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        take_length(n, &length);
         *(sph__v8d *)(sums + 6 * s + i) += length * (1.0 / 6.0);
         if (x == NULL) continue;
         area_vector(p, x, q, s, i, m);
-        other = root_of(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+        take_length(m, &other);
         for (size_t k = 0; k < 3; ++k) {
             n[k] = sph__select(length > 0, n[k] / length, length);
             m[k] = sph__select(other > 0, m[k] / other, other);
             d[k] = n[k] - m[k];
             e[k] = sph__load(q, k * s + i) - sph__load(p, k * s + i);
         }
-        edge = root_of(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
-        angle = root_of(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); /* 2 sin(angle / 2) */
+        take_length(e, &edge);
+        take_length(d, &angle); /* 2 sin(angle / 2) */
         dot = (n[1] * m[2] - n[2] * m[1]) * e[0] + (n[2] * m[0] - n[0] * m[2]) * e[1] +
               (n[0] * m[1] - n[1] * m[0]) * e[2];
         sign = sph__select(dot > 0, edge * 0 - 1.0, edge * 0 + 1.0);

@@ -23,25 +23,21 @@ typedef int64_t sph__v8i __attribute__((vector_size(64)));
 #  define SPH__CLONES
 #endif
 
-SPH__INLINE sph__v8d sph__load(const float *row, size_t i)
-{
-    return __builtin_convertvector(*(const sph__v8f *)(row + i), sph__v8d);
-}
-
-SPH__INLINE void sph__store(float *row, size_t i, sph__v8d value)
-{
-    *(sph__v8f *)(row + i) = __builtin_convertvector(value, sph__v8f);
-}
-
+/*
+ * Macros and pointers, not functions of vectors: in a clone, clang refuses to pass a vector to a function that is compiled
+ * for another instruction set, inlined or not.
+ */
+#define sph__load(row, i) __builtin_convertvector(*(const sph__v8f *)((row) + (i)), sph__v8d)
+#define sph__store(row, i, value) \
+    ((void)(*(sph__v8f *)((row) + (i)) = __builtin_convertvector((sph__v8d)(value), sph__v8f)))
 /* `a` where the mask is set, else `b`. */
-SPH__INLINE sph__v8d sph__select(sph__v8i mask, sph__v8d a, sph__v8d b)
-{
-    return (sph__v8d)((mask & (sph__v8i)a) | (~mask & (sph__v8i)b));
-}
+#define sph__select(mask, a, b) ((sph__v8d)(((mask) & (sph__v8i)(a)) | (~(mask) & (sph__v8i)(b))))
+/* The sum of the lanes of a variable. */
+#define sph__sum(v) sph__sum_lanes(&(v))
 
-SPH__INLINE double sph__sum(sph__v8d v)
+SPH__INLINE double sph__sum_lanes(const sph__v8d *v)
 {
-    return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+    return (((*v)[0] + (*v)[1]) + ((*v)[2] + (*v)[3])) + (((*v)[4] + (*v)[5]) + ((*v)[6] + (*v)[7]));
 }
 
 #endif

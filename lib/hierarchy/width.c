@@ -34,15 +34,15 @@ static void mark_members(sph__builder *b, const sph__slot *slot)
 }
 
 /* Calls for points of the cells of a region's vertices; interior triangles add nothing to the vertices' hull. */
-SPH__INLINE void widen(sph__v8d x, sph__v8d *low, sph__v8d *high)
+SPH__INLINE void widen(const sph__v8d *x, sph__v8d *low, sph__v8d *high)
 {
-    *low = sph__select(x < *low, x, *low);
-    *high = sph__select(x > *high, x, *high);
+    *low = sph__select(*x < *low, *x, *low);
+    *high = sph__select(*x > *high, *x, *high);
 }
 
-SPH__INLINE sph__v8d project(const float *p, size_t s, size_t i, const sph__v8d origin[3], const double k[3])
+SPH__INLINE void project(const float *p, size_t s, size_t i, const sph__v8d origin[3], const double k[3], sph__v8d *out)
 {
-    return (sph__load(p, i) - origin[0]) * k[0] + (sph__load(p, s + i) - origin[1]) * k[1] +
+    *out = (sph__load(p, i) - origin[0]) * k[0] + (sph__load(p, s + i) - origin[1]) * k[1] +
            (sph__load(p, 2 * s + i) - origin[2]) * k[2];
 }
 
@@ -62,13 +62,16 @@ SPH__CLONES static double widen_triangle(const extent_points *p, const float *or
     for (size_t i = 0; i < s; i += SPH__LANES) {
         const sph__v8d o[3] = {sph__load(origin, i), sph__load(origin, s + i), sph__load(origin, 2 * s + i)};
         sph__v8d *l = (sph__v8d *)(low + i), *h = (sph__v8d *)(high + i), extent;
-        const sph__v8d x = project(p->vertex, s, i, o, k);
-        widen(x, l, h);
+        sph__v8d x, y, z;
+        project(p->vertex, s, i, o, k, &x);
+        widen(&x, l, h);
         if (p->others[0] != NULL) {
-            const sph__v8d y = project(p->others[0], s, i, o, k), z = project(p->others[1], s, i, o, k);
-            if (!p->inside[0]) widen(0.5 * (x + y), l, h);
-            if (!p->inside[1]) widen(0.5 * (x + z), l, h);
-            widen((x + y + z) * (1.0 / 3.0), l, h);
+            project(p->others[0], s, i, o, k, &y);
+            project(p->others[1], s, i, o, k, &z);
+            const sph__v8d xy = 0.5 * (x + y), xz = 0.5 * (x + z), center = (x + y + z) * (1.0 / 3.0);
+            if (!p->inside[0]) widen(&xy, l, h);
+            if (!p->inside[1]) widen(&xz, l, h);
+            widen(&center, l, h);
         }
         extent = *h - *l;
         for (size_t f = frames; f < i + SPH__LANES; ++f) extent[f - i] = INFINITY; /* padding */
