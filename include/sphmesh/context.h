@@ -107,7 +107,7 @@ SPH_API void sph_context_options_init(sph_context_options *options, size_t size)
  * @param[out] out      the context, owned by the caller; NULL on failure.
  * @retval SPH_E_INVALID  `out` is NULL, a half-filled allocator or executor, or options that were not initialised.
  * @retval SPH_E_VERSION  options that only a newer library knows are set.
- * @retval SPH_E_NOMEM    out of memory, or threads could not be started.
+ * @retval SPH_E_NOMEM    out of memory. Threads that cannot be started are done without.
  * @par Thread safety  Any number of threads.
  * @since 0.1
  */
@@ -136,7 +136,7 @@ SPH_API const char *sph_context_last_message(const sph_context *context);
 
 /**
  * @brief Sets the calling thread's message and returns `status`, so that a frame source can write
- *        `return sph_context_fail(context, SPH_E_IO, "...")`. `context` may be NULL; long messages are cut at 511 bytes.
+ *        `return sph_context_fail(context, SPH_E_IO, "...")`. `context` may be NULL; long messages are cut at 511 bytes, between characters.
  * @since 0.1
  */
 SPH_API sph_status sph_context_fail(sph_context *context, sph_status status, const char *message);

@@ -1,22 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 
 #include <sphmesh/version.h>
 
-#include "base/base.h"
-
-enum { MESSAGE_SLOTS = 16, MESSAGE_SIZE = 512 };
-
-/* The last message of one thread. */
-typedef struct message_slot {
-    pthread_t thread;
-    uint64_t age; /* 0: free */
-    char text[MESSAGE_SIZE];
-} message_slot;
+#include "base/message.h"
 
 struct sph_context {
     sph_allocator allocator;
@@ -28,9 +17,7 @@ struct sph_context {
     sph__pool *pool; /* NULL with a caller's executor and for one thread */
     uint32_t worker_count;
     atomic_uint_fast64_t references;
-    pthread_mutex_t mutex; /* guards the messages */
-    uint64_t message_clock;
-    message_slot messages[MESSAGE_SLOTS];
+    sph__messages messages;
 };
 
 uint32_t sph_version(void)
@@ -41,17 +28,28 @@ uint32_t sph_version(void)
 const char *sph_status_text(sph_status status)
 {
     switch (status) {
-    case SPH_OK: return "no error";
-    case SPH_E_INVALID: return "invalid argument or input";
-    case SPH_E_NOMEM: return "out of memory";
-    case SPH_E_CANCELLED: return "cancelled";
-    case SPH_E_VERSION: return "made by a newer version";
-    case SPH_E_IO: return "input or output failed";
-    case SPH_E_FORMAT: return "damaged or wrong format";
-    case SPH_E_UNSUPPORTED: return "not supported";
-    case SPH_E_LIMIT: return "beyond a limit";
-    case SPH_E_STATE: return "not possible in this state";
-    default: return "unknown status";
+    case SPH_OK:
+        return "no error";
+    case SPH_E_INVALID:
+        return "invalid argument or input";
+    case SPH_E_NOMEM:
+        return "out of memory";
+    case SPH_E_CANCELLED:
+        return "cancelled";
+    case SPH_E_VERSION:
+        return "made by a newer version";
+    case SPH_E_IO:
+        return "input or output failed";
+    case SPH_E_FORMAT:
+        return "damaged or wrong format";
+    case SPH_E_UNSUPPORTED:
+        return "not supported";
+    case SPH_E_LIMIT:
+        return "beyond a limit";
+    case SPH_E_STATE:
+        return "not possible in this state";
+    default:
+        return "unknown status";
     }
 }
 
@@ -72,8 +70,10 @@ static void default_release(void *user, void *memory, size_t size)
 static void inline_parallel_for(void *user, size_t count, size_t grain, sph_range_fn *body, void *argument)
 {
     (void)user;
-    for (size_t begin = 0; begin < count; begin += grain)
-        body(argument, begin, count - begin < grain ? count : begin + grain);
+    for (size_t begin = 0, end; begin < count; begin = end) {
+        end = count - begin < grain ? count : begin + grain;
+        body(argument, begin, end);
+    }
 }
 
 enum { CONTEXT_OPTIONS_V1 = offsetof(sph_context_options, reserved0) + sizeof(uint32_t) };
@@ -109,8 +109,9 @@ static sph_status read_options(const sph_context_options *in, sph_context_option
 
 static sph_status start_executor(sph_context *context, const sph_context_options *o)
 {
-    context->worker_count = o->executor.parallel_for != NULL && o->thread_count == 1 ? processor_count() : o->thread_count;
+    context->worker_count = o->thread_count;
     if (o->executor.parallel_for != NULL) {
+        context->worker_count = processor_count();
         context->executor = o->executor;
     } else if (o->thread_count == 1) {
         context->executor.parallel_for = inline_parallel_for;
@@ -140,7 +141,7 @@ sph_status sph_context_create(const sph_context_options *options, sph_context **
     context->progress = o.progress;
     context->progress_user = o.progress_user;
     atomic_init(&context->references, 1);
-    if (pthread_mutex_init(&context->mutex, NULL) != 0) {
+    if (!sph__messages_init(&context->messages)) {
         o.allocator.release(o.allocator.user, context, sizeof *context);
         return SPH_E_NOMEM;
     }
@@ -163,7 +164,7 @@ void sph__context_release(sph_context *context)
 {
     if (context == NULL || atomic_fetch_sub_explicit(&context->references, 1, memory_order_acq_rel) != 1) return;
     sph__pool_destroy(context->pool);
-    pthread_mutex_destroy(&context->mutex);
+    sph__messages_destroy(&context->messages, &context->allocator);
     context->allocator.release(context->allocator.user, context, sizeof *context);
 }
 
@@ -172,47 +173,22 @@ void sph_context_destroy(sph_context *context)
     sph__context_release(context);
 }
 
-/* The calling thread's slot: its own, else a free one, else the oldest. Call with the mutex held. */
-static message_slot *find_slot(sph_context *context, bool make)
-{
-    const pthread_t self = pthread_self();
-    message_slot *best = &context->messages[0];
-    for (size_t i = 0; i < MESSAGE_SLOTS; ++i) {
-        message_slot *slot = &context->messages[i];
-        if (slot->age != 0 && pthread_equal(slot->thread, self)) return slot;
-        if (slot->age < best->age) best = slot;
-    }
-    if (!make) return NULL;
-    best->thread = self;
-    return best;
-}
-
 const char *sph_context_last_message(const sph_context *context)
 {
-    sph_context *c = (sph_context *)context; /* the mutex is not part of the visible state */
-    message_slot *slot;
-    if (c == NULL) return "";
-    pthread_mutex_lock(&c->mutex);
-    slot = find_slot(c, false);
-    pthread_mutex_unlock(&c->mutex);
-    return slot == NULL ? "" : slot->text;
+    uint64_t stamp;
+    /* The messages are not part of the visible state that const speaks of. */
+    return context == NULL ? "" : sph__messages_read(&((sph_context *)context)->messages, &stamp);
 }
 
 sph_status sph__fail(const sph_context *context, sph_status status, const char *format, ...)
 {
-    sph_context *c = (sph_context *)context;
-    char text[MESSAGE_SIZE]; /* formatted first: an argument may be the last message itself */
-    message_slot *slot;
+    char text[SPH__MESSAGE_SIZE]; /* formatted first: an argument may be the last message itself */
     va_list arguments;
-    if (c == NULL) return status;
+    if (context == NULL) return status;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    sph__format_message(text, format, arguments);
     va_end(arguments);
-    pthread_mutex_lock(&c->mutex);
-    slot = find_slot(c, true);
-    slot->age = ++c->message_clock;
-    memcpy(slot->text, text, sizeof text);
-    pthread_mutex_unlock(&c->mutex);
+    sph__messages_store(&((sph_context *)context)->messages, &context->allocator, text);
     return status;
 }
 
@@ -223,23 +199,18 @@ sph_status sph__fail_memory(const sph_context *context)
 
 uint64_t sph__message_stamp(const sph_context *context)
 {
-    sph_context *c = (sph_context *)context;
-    message_slot *slot;
     uint64_t stamp;
-    pthread_mutex_lock(&c->mutex);
-    slot = find_slot(c, false);
-    stamp = slot == NULL ? 0 : slot->age;
-    pthread_mutex_unlock(&c->mutex);
+    sph__messages_read(&((sph_context *)context)->messages, &stamp);
     return stamp;
 }
 
 void sph__log(const sph_context *context, int32_t severity, const char *format, ...)
 {
-    char text[MESSAGE_SIZE];
+    char text[SPH__MESSAGE_SIZE];
     va_list arguments;
     if (context == NULL || context->log == NULL) return;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    sph__format_message(text, format, arguments);
     va_end(arguments);
     context->log(context->log_user, severity, text);
 }
