@@ -25,7 +25,8 @@ static sph_status make_labels(const sph_hierarchy *h, uint32_t end, const sph__s
 {
     uint32_t *places = sph__alloc(h->context, end, sizeof *places);
     if (places == NULL) return sph__fail_memory(h->context);
-    for (uint32_t i = 0; i < level->sphere_count; ++i) places[simplices->nodes[i]] = i;
+    for (uint32_t i = 0; i < level->sphere_count; ++i)
+        places[simplices->nodes[i]] = i;
     for (uint32_t node = end; node-- > 0;)
         if (!sph__node_alive(h, node, end)) places[node] = places[h->parents[node]];
     memcpy(level->labels, places, h->vertex_count * sizeof *places);

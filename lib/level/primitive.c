@@ -292,13 +292,17 @@ static void cast_face(const sph__primitive *p, int side, const double o[3], cons
 bool sph__primitive_cast(const sph__primitive *p, const double o[3], const double d[3], double limit, double *s)
 {
     const int32_t edge_count = p->corner_count == 3 ? 3 : p->corner_count - 1;
-    double best;
+    sph__contact c;
+    double best, slope;
     if (!(limit >= 0)) return false;
     if (limit > DBL_MAX / 2) limit = DBL_MAX / 2;
-    if (sph__primitive_distance(p, o) < 0) {
+    sph__primitive_closest(p, o, &c);
+    if (c.distance < 0) {
         *s = 0;
         return true;
     }
+    slope = sph__dot(c.normal, d); /* distance is convex: along the ray it grows at least like this */
+    if (slope > 0 || c.distance * (1 - 1e-9) > -slope * limit) return false;
     best = nextafter(limit, DBL_MAX); /* so that a hit at the limit itself counts */
     for (int32_t i = 0; i < p->corner_count; ++i)
         cast_sphere(p->center[i], p->radius[i], o, d, &best);

@@ -58,7 +58,7 @@ double sph__solid_distance(const sph__solid *solid, const double x[3], uint32_t 
     return best;
 }
 
-bool sph__solid_covers(const sph__solid *solid, const double x[3], double margin)
+bool sph__solid_covers(const sph__solid *solid, const double x[3], double margin, uint32_t *which)
 {
     const sph__box_tree *tree = &solid->tree;
     sph__box_visit stack[SPH__BOX_STACK];
@@ -70,8 +70,11 @@ bool sph__solid_covers(const sph__solid *solid, const double x[3], double margin
             top = push_children(tree, &v, x, margin, stack, top);
             continue;
         }
-        for (uint32_t i = v.begin; i < v.end; ++i)
-            if (sph__primitive_distance(&solid->primitives[tree->order[i]], x) < margin) return true;
+        for (uint32_t i = v.begin; i < v.end; ++i) {
+            if (sph__primitive_distance(&solid->primitives[tree->order[i]], x) >= margin) continue;
+            if (which != NULL) *which = tree->order[i];
+            return true;
+        }
     }
     return false;
 }

@@ -41,8 +41,8 @@ void sph__solid_pose(sph__solid *solid, const float *centers, const float *radii
  */
 double sph__solid_distance(const sph__solid *solid, const double x[3], uint32_t *nearest);
 
-/* Is x nearer than `margin` to a primitive (margin 0: inside)? */
-bool sph__solid_covers(const sph__solid *solid, const double x[3], double margin);
+/* Is x nearer than `margin` to a primitive (margin 0: inside)? To which goes to *which, which may be NULL. */
+bool sph__solid_covers(const sph__solid *solid, const double x[3], double margin, uint32_t *which);
 
 /* First hit of origin + s * direction, 0 <= s <= limit; as sph__primitive_cast. `which` may be NULL. */
 bool sph__solid_cast(const sph__solid *solid, const double origin[3], const double direction[3], double limit,

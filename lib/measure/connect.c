@@ -94,8 +94,7 @@ static void unite(uint32_t *parents, uint32_t a, uint32_t b)
 static void join_neighbours(sph__outer *outer, const sph__surface_point *from, uint32_t self, bool once)
 {
     sph__neighbour found[NEIGHBOURS];
-    const uint32_t count =
-        sph__outer_nearest(outer, &outer->outer_tree, 0, from->position, INFINITY, NEIGHBOURS, found);
+    const uint32_t count = sph__outer_nearest(outer, &outer->all_tree, from->position, INFINITY, NEIGHBOURS, found);
     uint32_t *parents = outer->parents;
     for (uint32_t k = 0; k < count; ++k) {
         const uint32_t other = found[k].point;
@@ -147,10 +146,11 @@ static bool set_boxes(sph__outer *outer)
     return true;
 }
 
-static bool build_tree(sph__outer *outer, sph__box_tree *tree, uint32_t first, uint32_t count)
+/* Over the first `count` points. */
+static bool build_tree(sph__outer *outer, sph__box_tree *tree, uint32_t count)
 {
     if (sph__box_tree_reserve(tree, outer->context, count, LEAF_SIZE) != SPH_OK) return false;
-    sph__box_tree_build(tree, outer->boxes + first, count, LEAF_SIZE);
+    sph__box_tree_build(tree, outer->boxes, count, LEAF_SIZE);
     return true;
 }
 
@@ -196,12 +196,12 @@ bool sph__outer_connect(sph__outer *outer)
     bool done = sorted != NULL && members != NULL &&
                 sph__reserve(outer->context, (void **)&outer->parents, &outer->parent_capacity, (size_t)count + 1,
                              sizeof *outer->parents) &&
-                set_boxes(outer) && build_tree(outer, &outer->outer_tree, 0, count);
+                set_boxes(outer) && build_tree(outer, &outer->all_tree, count);
     if (done) {
         join_all(outer, members);
         sort_points(outer, sorted);
-        done = set_boxes(outer) && build_tree(outer, &outer->outer_tree, 0, outer->outer_count) &&
-               build_tree(outer, &outer->cavity_tree, outer->outer_count, count - outer->outer_count);
+        done = set_boxes(outer) && build_tree(outer, &outer->outer_tree, outer->outer_count);
+        if (done && outer->has_cavities) done = build_tree(outer, &outer->all_tree, count);
     }
     sph__free(outer->context, sorted);
     sph__free(outer->context, members);
@@ -210,19 +210,22 @@ bool sph__outer_connect(sph__outer *outer)
 
 /* --- any other point --- */
 
-/* 1 outside, 0 in a cavity, -1 unknown: by the first neighbour that it can be joined to. */
+/*
+ * 1 outside, 0 in a cavity, -1 unknown. Where all the points close by that face the same way are of one kind, p is of
+ * it too; else it is as the first neighbour that it can be joined to.
+ */
 static int ask_neighbours(const sph__outer *outer, const sph__surface_point *p)
 {
-    sph__neighbour a[NEIGHBOURS / 2], b[NEIGHBOURS / 2];
-    const uint32_t outside = sph__outer_nearest(outer, &outer->outer_tree, 0, p->position, INFINITY, NEIGHBOURS / 2, a);
-    const uint32_t inside =
-        sph__outer_nearest(outer, &outer->cavity_tree, outer->outer_count, p->position, INFINITY, NEIGHBOURS / 2, b);
-    uint32_t i = 0, j = 0;
-    while (i < outside || j < inside) {
-        const bool take_outside = j == inside || (i < outside && a[i].distance2 <= b[j].distance2);
-        const sph__neighbour *n = take_outside ? &a[i++] : &b[j++];
-        if (join(&outer->solid, p, &outer->points[n->point])) return take_outside;
-    }
+    const double close = 3 * outer->spacing;
+    sph__neighbour found[NEIGHBOURS];
+    uint32_t votes[2] = {0, 0};
+    const uint32_t count = sph__outer_nearest(outer, &outer->all_tree, p->position, INFINITY, NEIGHBOURS, found);
+    for (uint32_t i = 0; i < count && found[i].distance2 < close * close; ++i)
+        if (sph__dot(outer->points[found[i].point].normal, p->normal) > 0.7)
+            ++votes[found[i].point < outer->outer_count];
+    if (votes[0] + votes[1] >= 3 && (votes[0] == 0 || votes[1] == 0)) return votes[1] != 0;
+    for (uint32_t i = 0; i < count; ++i)
+        if (join(&outer->solid, p, &outer->points[found[i].point])) return found[i].point < outer->outer_count;
     return -1;
 }
 

@@ -32,7 +32,7 @@ typedef struct sph__outer {
     uint32_t extreme_begin; /* points from here to outer_count stand at sharp ends: they weigh nothing */
     sph__box *boxes;
     size_t box_capacity;
-    sph__box_tree outer_tree, cavity_tree;
+    sph__box_tree all_tree, outer_tree;
     uint32_t *parents; /* while points are being joined */
     size_t parent_capacity;
 } sph__outer;
@@ -82,8 +82,8 @@ typedef struct sph__neighbour {
  * The points of the tree nearest to x, at most `capacity` and within `radius`, in ascending order of distance. `first`
  * is the number of the tree's first point.
  */
-uint32_t sph__outer_nearest(const sph__outer *outer, const sph__box_tree *tree, uint32_t first, const double x[3],
-                            double radius, uint32_t capacity, sph__neighbour *found);
+uint32_t sph__outer_nearest(const sph__outer *outer, const sph__box_tree *tree, const double x[3], double radius,
+                            uint32_t capacity, sph__neighbour *found);
 
 /*
  * Moves p, which lies off the solid, towards x as long as the way stays off the solid, to a place where no small step

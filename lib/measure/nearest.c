@@ -15,8 +15,8 @@ static uint32_t insert(sph__neighbour *found, uint32_t count, uint32_t capacity,
     return count < capacity ? count + 1 : capacity;
 }
 
-uint32_t sph__outer_nearest(const sph__outer *outer, const sph__box_tree *tree, uint32_t first, const double x[3],
-                            double radius, uint32_t capacity, sph__neighbour *found)
+uint32_t sph__outer_nearest(const sph__outer *outer, const sph__box_tree *tree, const double x[3], double radius,
+                            uint32_t capacity, sph__neighbour *found)
 {
     double limit = radius < 1e150 ? radius * radius : DBL_MAX;
     sph__box_visit stack[SPH__BOX_STACK];
@@ -37,7 +37,7 @@ uint32_t sph__outer_nearest(const sph__outer *outer, const sph__box_tree *tree, 
             continue;
         }
         for (uint32_t i = v.begin; i < v.end; ++i) {
-            const uint32_t point = first + tree->order[i];
+            const uint32_t point = tree->order[i];
             const double *p = outer->points[point].position;
             const double dx = p[0] - x[0], dy = p[1] - x[1], dz = p[2] - x[2];
             const sph__neighbour n = {point, dx * dx + dy * dy + dz * dz};

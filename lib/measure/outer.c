@@ -29,7 +29,7 @@ void sph__outer_free(sph__outer *outer)
     sph__free(outer->context, outer->boxes);
     sph__free(outer->context, outer->parents);
     sph__box_tree_free(&outer->outer_tree);
-    sph__box_tree_free(&outer->cavity_tree);
+    sph__box_tree_free(&outer->all_tree);
     sph__solid_free(&outer->solid);
     memset(outer, 0, sizeof *outer);
 }
@@ -95,7 +95,7 @@ static bool is_outer(const sph__outer *outer, const sph__contact *c)
 {
     double landing[3];
     sph__add_scaled(c->point, outer->lift, c->normal, landing);
-    return !sph__solid_covers(&outer->solid, landing, 0) && sph__outer_is_outside(outer, landing, c->normal);
+    return !sph__solid_covers(&outer->solid, landing, 0, NULL) && sph__outer_is_outside(outer, landing, c->normal);
 }
 
 /* The nearest outer point among the feet of x on the primitives within `best`; `best` where there is none. */
@@ -128,7 +128,7 @@ static double search(const sph__outer *outer, const double x[3], double least)
     sph__neighbour near[STARTS];
     uint32_t used[MOST_DESCENTS], used_count = 0;
     double best = DBL_MAX;
-    const uint32_t count = sph__outer_nearest(outer, &outer->outer_tree, 0, x, INFINITY, STARTS, near);
+    const uint32_t count = sph__outer_nearest(outer, &outer->outer_tree, x, INFINITY, STARTS, near);
     for (uint32_t i = 0; i < count && used_count < MOST_DESCENTS && best > enough; ++i) {
         double p[3], slack = 1.5 * outer->spacing, distance;
         bool fresh = true;

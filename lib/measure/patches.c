@@ -153,7 +153,7 @@ static bool walk_next(walk *w, sph__surface_point *point)
     const sph__solid *solid = &w->outer->solid;
     while (w->next < w->count) {
         const double target = (w->next + w->shift[0]) * w->step;
-        double v = w->shift[1] + w->next * GOLDEN, d;
+        double v = w->shift[1] + w->next * GOLDEN;
         while (target >= w->before + w->current.area) {
             w->before += w->current.area;
             if (++w->patch_index >= patch_count(solid)) return false; /* rounding: the last point falls off the end */
@@ -163,8 +163,7 @@ static bool walk_next(walk *w, sph__surface_point *point)
         v -= floor(v);
         patch_point(w->outer, &w->current, (target - w->before) / w->current.area, v, point);
         if (sph__primitive_distance(&solid->primitives[w->cover], point->position) < 0) continue;
-        d = sph__solid_distance(solid, point->position, &w->cover);
-        if (d >= 0) return true;
+        if (!sph__solid_covers(solid, point->position, 0, &w->cover)) return true;
     }
     return false;
 }
@@ -227,7 +226,7 @@ bool sph__patches_extremes(sph__outer *outer)
             for (int k = 0; k < 3; ++k)
                 point.normal[k] = sums[i][k] / length;
         sph__add_scaled(solid->centers[i], solid->radii[i] + outer->lift, point.normal, point.position);
-        if (!sph__solid_covers(solid, point.position, 0)) done = add_point(outer, &point);
+        if (!sph__solid_covers(solid, point.position, 0, NULL)) done = add_point(outer, &point);
     }
     sph__free(outer->context, sums);
     return done;
