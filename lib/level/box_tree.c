@@ -103,8 +103,8 @@ static int longest_axis(const sph__box *boxes, const uint32_t *order, uint32_t b
     for (uint32_t i = begin; i < end; ++i)
         for (int k = 0; k < 3; ++k) {
             const float x = middle(&boxes[order[i]], k);
-            low[k] = fminf(low[k], x);
-            high[k] = fmaxf(high[k], x);
+            if (x < low[k]) low[k] = x;
+            if (x > high[k]) high[k] = x;
         }
     int best = 0;
     for (int k = 1; k < 3; ++k)
@@ -136,8 +136,8 @@ void sph__box_tree_build(sph__box_tree *tree, const sph__box *boxes, uint32_t it
 static void grow(sph__box *box, const sph__box *other)
 {
     for (int k = 0; k < 3; ++k) {
-        box->low[k] = fminf(box->low[k], other->low[k]);
-        box->high[k] = fmaxf(box->high[k], other->high[k]);
+        if (other->low[k] < box->low[k]) box->low[k] = other->low[k];
+        if (other->high[k] > box->high[k]) box->high[k] = other->high[k];
     }
 }
 

@@ -111,17 +111,21 @@ static void edge_foot(const sph__primitive *p, int32_t index, const double x[3],
     f->distance = across * e->cosine + along * e->sine - p->radius[e->from];
 }
 
-static bool face_weights(const sph__primitive *p, const double d[3], double height, double *b1, double *b2)
+/* Edges on whose outer side the weights are, as bits. */
+static int face_weights(const sph__primitive *p, const double d[3], double height, double *b1, double *b2)
 {
     *b1 = sph__dot(p->gradient[0], d) - fabs(height) * p->gradient_tilt[0];
     *b2 = sph__dot(p->gradient[1], d) - fabs(height) * p->gradient_tilt[1];
-    return *b1 >= 0 && *b2 >= 0 && *b1 + *b2 <= 1;
+    return (*b2 < 0 ? 1 : 0) | (*b1 + *b2 > 1 ? 2 : 0) | (*b1 < 0 ? 4 : 0);
 }
 
-/* The function of the weights is convex: where its unconstrained minimum is not within the triangle, it is on an edge.
+/*
+ * The function of the weights is convex: where its least value in their whole plane is not within the triangle, the
+ * least value within is on one of the edges that lie between.
  */
 static void find_foot(const sph__primitive *p, const double x[3], foot *f)
 {
+    int edges = p->corner_count == 3 ? 7 : 1; /* as bits */
     if (p->corner_count == 1) {
         *f = (foot){.distance = sphere_distance(p, 0, x), .edge = -1, .corner = 0};
         return;
@@ -130,15 +134,17 @@ static void find_foot(const sph__primitive *p, const double x[3], foot *f)
         double d[3], height;
         sph__subtract(x, p->center[0], d);
         height = sph__dot(d, p->plane_normal);
-        if (face_weights(p, d, height, &f->a, &f->b)) {
+        edges = face_weights(p, d, height, &f->a, &f->b);
+        if (edges == 0) {
             f->edge = f->corner = -1;
             f->distance = sph__dot(d, p->tilt) + fabs(height) * p->rise - p->radius[0];
             return;
         }
     }
-    edge_foot(p, 0, x, f);
-    for (int32_t i = 1; p->corner_count == 3 && i < 3; ++i) {
+    f->distance = DBL_MAX;
+    for (int32_t i = 0; edges >> i != 0; ++i) {
         foot other = {0};
+        if ((edges >> i & 1) == 0) continue;
         edge_foot(p, i, x, &other);
         if (other.distance < f->distance) *f = other;
     }
@@ -286,7 +292,7 @@ static void cast_face(const sph__primitive *p, int side, const double o[3], cons
     s = (p->radius[0] - sph__dot(n, v)) / rate;
     if (!(s >= 0 && s <= *best)) return;
     sph__add_scaled(v, s, d, x);
-    if (face_weights(p, x, sph__dot(x, p->plane_normal), &b1, &b2)) *best = s;
+    if (face_weights(p, x, sph__dot(x, p->plane_normal), &b1, &b2) == 0) *best = s;
 }
 
 bool sph__primitive_cast(const sph__primitive *p, const double o[3], const double d[3], double limit, double *s)

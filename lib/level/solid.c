@@ -115,8 +115,9 @@ static inline bool meets(const sph__box *box, const double origin[3], const doub
     return enter <= leave;
 }
 
-bool sph__solid_cast(const sph__solid *solid, const double origin[3], const double direction[3], double limit,
-                     double *s, uint32_t *which)
+/* The first hit, or with `any` some hit. */
+static bool cast(const sph__solid *solid, const double origin[3], const double direction[3], double limit, bool any,
+                 double *s, uint32_t *which)
 {
     const sph__box_tree *tree = &solid->tree;
     sph__box_visit stack[SPH__BOX_STACK];
@@ -127,7 +128,7 @@ bool sph__solid_cast(const sph__solid *solid, const double origin[3], const doub
     for (int k = 0; k < 3; ++k)
         inverse[k] = 1 / (fabs(direction[k]) > 1e-200 ? direction[k] : 1e-200);
     stack[top++] = (sph__box_visit){1, 0, tree->item_count, 0};
-    while (top > 0) {
+    while (top > 0 && !(any && hit != UINT32_MAX)) {
         const sph__box_visit v = stack[--top];
         if (!meets(&tree->nodes[v.node], origin, inverse, best)) continue;
         if (!sph__box_tree_is_leaf(tree, v.node)) {
@@ -139,6 +140,7 @@ bool sph__solid_cast(const sph__solid *solid, const double origin[3], const doub
         for (uint32_t i = v.begin; i < v.end; ++i) {
             const uint32_t p = tree->order[i];
             double t;
+            if (!meets(&solid->boxes[p], origin, inverse, best)) continue;
             if (!sph__primitive_cast(&solid->primitives[p], origin, direction, best, &t)) continue;
             if (t == best && p > hit) continue;
             best = t;
@@ -147,15 +149,29 @@ bool sph__solid_cast(const sph__solid *solid, const double origin[3], const doub
     }
     if (hit == UINT32_MAX) return false;
     *s = best;
-    if (which != NULL) *which = hit;
+    *which = hit;
     return true;
+}
+
+bool sph__solid_cast(const sph__solid *solid, const double origin[3], const double direction[3], double limit,
+                     double *s, uint32_t *which)
+{
+    return cast(solid, origin, direction, limit, false, s, which);
 }
 
 bool sph__solid_is_clear(const sph__solid *solid, const double a[3], const double b[3])
 {
     double d[3], s;
+    uint32_t which;
     sph__subtract(b, a, d);
-    return !sph__solid_cast(solid, a, d, 1, &s, NULL);
+    return !cast(solid, a, d, 1, true, &s, &which);
+}
+
+bool sph__solid_escapes(const sph__solid *solid, const double origin[3], const double direction[3])
+{
+    double s;
+    uint32_t which;
+    return !cast(solid, origin, direction, DBL_MAX, true, &s, &which);
 }
 
 void sph__solid_pose(sph__solid *solid, const float *centers, const float *radii, double enlarge)

@@ -44,11 +44,13 @@ double sph__solid_distance(const sph__solid *solid, const double x[3], uint32_t 
 /* Is x nearer than `margin` to a primitive (margin 0: inside)? To which goes to *which, which may be NULL. */
 bool sph__solid_covers(const sph__solid *solid, const double x[3], double margin, uint32_t *which);
 
-/* First hit of origin + s * direction, 0 <= s <= limit; as sph__primitive_cast. `which` may be NULL. */
+/* First hit of origin + s * direction, 0 <= s <= limit; as sph__primitive_cast. */
 bool sph__solid_cast(const sph__solid *solid, const double origin[3], const double direction[3], double limit,
                      double *s, uint32_t *which);
 /* Is the segment from a to b free of the solid? */
 bool sph__solid_is_clear(const sph__solid *solid, const double a[3], const double b[3]);
+/* Is the ray to infinity? */
+bool sph__solid_escapes(const sph__solid *solid, const double origin[3], const double direction[3]);
 
 /*
  * The primitives nearer to x than `radius`, at most `capacity`; returns how many there are in all. Where there are more

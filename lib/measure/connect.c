@@ -160,51 +160,72 @@ static void join_all(sph__outer *outer, uint32_t *members)
     uint32_t *parents = outer->parents;
     for (uint32_t i = 0; i <= infinity; ++i)
         parents[i] = i;
-    for (uint32_t i = 0; i < infinity; ++i) {
-        double s;
-        if (!sph__solid_cast(&outer->solid, outer->points[i].position, outer->points[i].normal, DBL_MAX, &s, NULL))
+    for (uint32_t i = 0; i < infinity; ++i)
+        if (sph__solid_escapes(&outer->solid, outer->points[i].position, outer->points[i].normal))
             unite(parents, i, infinity);
-    }
     for (uint32_t i = 0; i < infinity; ++i)
         if (find(parents, i) != find(parents, infinity)) join_neighbours(outer, &outer->points[i], i, false);
     for (int round = 0; round < ROUNDS; ++round)
         join_sets_by_rays(outer, members);
 }
 
-/* Outer points first, each kind in its old order. `sorted` has room for all. */
-static void sort_points(sph__outer *outer, sph__surface_point *sorted)
+/*
+ * Outer points first, each kind in its old order; the tree over all takes the new numbers. `sorted` and `number` have
+ * room for all.
+ */
+static void sort_points(sph__outer *outer, sph__surface_point *sorted, uint32_t *number)
 {
     const uint32_t count = outer->point_count, root = find(outer->parents, count), extremes = outer->extreme_begin;
-    uint32_t kept = 0, cavity = 0;
+    uint32_t kept = 0, next;
     for (uint32_t i = 0; i < count; ++i) {
+        const bool is_outside = find(outer->parents, i) == root;
         if (i == extremes) outer->extreme_begin = kept;
-        if (find(outer->parents, i) == root) sorted[kept++] = outer->points[i];
+        number[i] = is_outside ? kept++ : UINT32_MAX;
     }
     if (extremes == count) outer->extreme_begin = kept;
-    for (uint32_t i = 0; i < count; ++i)
-        if (find(outer->parents, i) != root) sorted[kept + cavity++] = outer->points[i];
+    next = kept;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (number[i] == UINT32_MAX) number[i] = next++;
+        sorted[number[i]] = outer->points[i];
+    }
     memcpy(outer->points, sorted, count * sizeof *sorted);
+    for (uint32_t i = 0; i < count; ++i)
+        outer->all_tree.order[i] = number[outer->all_tree.order[i]];
     outer->outer_count = kept;
-    outer->has_cavities = cavity != 0;
+}
+
+/* Marks the primitives that touch a cavity. */
+static void mark_cavities(sph__outer *outer)
+{
+    enum { MOST = 64 };
+    const double reach = 4 * outer->lift;
+    memset(outer->touches_cavity, 0, outer->solid.primitive_count * sizeof *outer->touches_cavity);
+    for (uint32_t i = outer->outer_count; i < outer->point_count; ++i) {
+        uint32_t found[MOST];
+        const uint32_t count = sph__solid_gather(&outer->solid, outer->points[i].position, reach, found, MOST);
+        for (uint32_t k = 0; k < count && k < MOST; ++k)
+            outer->touches_cavity[found[k]] = true;
+    }
+    outer->has_cavities = outer->outer_count < outer->point_count;
 }
 
 bool sph__outer_connect(sph__outer *outer)
 {
     const uint32_t count = outer->point_count;
     sph__surface_point *sorted = sph__alloc(outer->context, count, sizeof *sorted);
-    uint32_t *members = sph__alloc(outer->context, count, sizeof *members);
-    bool done = sorted != NULL && members != NULL &&
+    uint32_t *numbers = sph__alloc(outer->context, count, sizeof *numbers);
+    bool done = sorted != NULL && numbers != NULL &&
                 sph__reserve(outer->context, (void **)&outer->parents, &outer->parent_capacity, (size_t)count + 1,
                              sizeof *outer->parents) &&
                 set_boxes(outer) && build_tree(outer, &outer->all_tree, count);
     if (done) {
-        join_all(outer, members);
-        sort_points(outer, sorted);
+        join_all(outer, numbers);
+        sort_points(outer, sorted, numbers);
+        mark_cavities(outer);
         done = set_boxes(outer) && build_tree(outer, &outer->outer_tree, outer->outer_count);
-        if (done && outer->has_cavities) done = build_tree(outer, &outer->all_tree, count);
     }
     sph__free(outer->context, sorted);
-    sph__free(outer->context, members);
+    sph__free(outer->context, numbers);
     return done;
 }
 
@@ -229,11 +250,12 @@ static int ask_neighbours(const sph__outer *outer, const sph__surface_point *p)
     return -1;
 }
 
-bool sph__outer_is_outside(const sph__outer *outer, const double position[3], const double normal[3])
+bool sph__outer_is_outside(const sph__outer *outer, uint32_t primitive, const double position[3],
+                           const double normal[3])
 {
     sph__surface_point p;
     int answer;
-    if (!outer->has_cavities) return true;
+    if (!outer->touches_cavity[primitive]) return true;
     sph__copy3(position, p.position);
     sph__copy3(normal, p.normal);
     answer = ask_neighbours(outer, &p);

@@ -25,6 +25,7 @@ typedef struct sph__outer {
     double area;             /* of the outer surface, estimated */
     double spacing;          /* of the points */
     bool has_cavities;       /* some points were not connected to infinity */
+    bool *touches_cavity;    /* of each primitive */
     uint32_t point_count;    /* the outer ones first, then those in cavities */
     uint32_t outer_count;
     sph__surface_point *points;
@@ -68,8 +69,9 @@ bool sph__patches_extremes(sph__outer *outer);
 
 /* Sorts all points into outer ones and ones in cavities; false when out of memory. */
 bool sph__outer_connect(sph__outer *outer);
-/* Does this point, off the solid with `normal` pointing away from it, belong to the outside? */
-bool sph__outer_is_outside(const sph__outer *outer, const double position[3], const double normal[3]);
+/* Does this point, just off a primitive with `normal` pointing away from it, belong to the outside? */
+bool sph__outer_is_outside(const sph__outer *outer, uint32_t primitive, const double position[3],
+                           const double normal[3]);
 
 /* --- searches --- */
 

@@ -79,8 +79,9 @@ static void set_boxes(sph__mesh *mesh)
         for (size_t k = 0; k < 3; ++k) {
             const float a = mesh->xyz[3 * (size_t)t[0] + k], b = mesh->xyz[3 * (size_t)t[1] + k];
             const float c = mesh->xyz[3 * (size_t)t[2] + k];
-            box->low[k] = fminf(a, fminf(b, c));
-            box->high[k] = fmaxf(a, fmaxf(b, c));
+            const float low = a < b ? a : b, high = a < b ? b : a;
+            box->low[k] = low < c ? low : c;
+            box->high[k] = high > c ? high : c;
         }
     }
 }

@@ -17,14 +17,19 @@ static const double SKIN = 1e-6, LIFT = 1e-7, TOLERANCE = 1e-7; /* of the size *
 
 sph_status sph__outer_init(sph__outer *outer, const sph_level *level)
 {
+    sph_status status;
     memset(outer, 0, sizeof *outer);
     outer->context = level->context;
-    return sph__solid_init(&outer->solid, level);
+    status = sph__solid_init(&outer->solid, level);
+    if (status != SPH_OK) return status;
+    outer->touches_cavity = sph__alloc(outer->context, outer->solid.primitive_count, sizeof *outer->touches_cavity);
+    return outer->touches_cavity == NULL ? sph__fail_memory(outer->context) : SPH_OK;
 }
 
 void sph__outer_free(sph__outer *outer)
 {
     if (outer->context == NULL) return;
+    sph__free(outer->context, outer->touches_cavity);
     sph__free(outer->context, outer->points);
     sph__free(outer->context, outer->boxes);
     sph__free(outer->context, outer->parents);
@@ -90,12 +95,13 @@ void sph__outer_point(const sph__outer *outer, uint32_t index, double x[3])
     sph__add_scaled(p->position, -(outer->skin + outer->lift), p->normal, x);
 }
 
-/* Is the boundary point `c` of a primitive one of the outer surface? */
-static bool is_outer(const sph__outer *outer, const sph__contact *c)
+/* Is the boundary point `c` of the primitive one of the outer surface? */
+static bool is_outer(const sph__outer *outer, uint32_t primitive, const sph__contact *c)
 {
     double landing[3];
     sph__add_scaled(c->point, outer->lift, c->normal, landing);
-    return !sph__solid_covers(&outer->solid, landing, 0, NULL) && sph__outer_is_outside(outer, landing, c->normal);
+    return !sph__solid_covers(&outer->solid, landing, 0, NULL) &&
+           sph__outer_is_outside(outer, primitive, landing, c->normal);
 }
 
 /* The nearest outer point among the feet of x on the primitives within `best`; `best` where there is none. */
@@ -107,7 +113,7 @@ static double try_feet(const sph__outer *outer, const double x[3], double best)
     for (uint32_t i = 0; i < count; ++i) {
         sph__contact c;
         sph__primitive_closest(&outer->solid.primitives[near[i]], x, &c);
-        if (fabs(c.distance) < best && is_outer(outer, &c)) best = fabs(c.distance);
+        if (fabs(c.distance) < best && is_outer(outer, near[i], &c)) best = fabs(c.distance);
     }
     return best;
 }
@@ -154,8 +160,8 @@ double sph__outer_distance(const sph__outer *outer, const double x[3])
     if (distance >= 0) {
         double landing[3];
         sph__add_scaled(c.point, outer->lift, c.normal, landing);
-        if (sph__outer_is_outside(outer, landing, c.normal)) return distance + outer->skin;
-    } else if (is_outer(outer, &c)) {
+        if (sph__outer_is_outside(outer, nearest, landing, c.normal)) return distance + outer->skin;
+    } else if (is_outer(outer, nearest, &c)) {
         return fabs(-distance - outer->skin);
     }
     return fabs(search(outer, x, fabs(distance)) - outer->skin);
