@@ -251,7 +251,10 @@ sph_status sph__weld_within_tolerance(sph__weld *weld)
     sph__progress_part(&weld->progress, 0.2);
     status = measure_groups(weld, groups, group_count);
     if (status == SPH_OK) group_count = settle_compact(weld, groups, group_count);
-    if (status == SPH_OK) status = settle_others(weld, groups, group_count);
+    if (status == SPH_OK && group_count > 0)
+        status = settle_others(weld, groups, group_count);
+    else
+        sph__progress_part(&weld->progress, 0.3); /* what it would have taken */
     sph__free(context, groups);
     return status;
 }

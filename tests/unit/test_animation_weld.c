@@ -1,0 +1,447 @@
+/* SPDX-License-Identifier: MIT */
+/* Welding, against what is known of the shapes and against comparing every vertex with every leader. */
+#include <check.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support.h"
+
+static sph_context *context;
+
+static void setup(void)
+{
+    context = test_context();
+    ck_assert_ptr_nonnull(context);
+}
+
+static void teardown(void)
+{
+    sph_context_destroy(context);
+}
+
+static float *read_all(const sph_animation *a)
+{
+    const size_t n = sph_animation_vertex_count(a), frames = sph_animation_frame_count(a);
+    float *xyz = test_malloc(frames * n, 3 * sizeof *xyz);
+    for (uint32_t f = 0; f < frames; ++f)
+        ck_assert_int_eq(sph_animation_read_frame(a, f, xyz + f * n * 3), SPH_OK);
+    return xyz;
+}
+
+/* Every triangle with three vertices of its own. */
+static sph_animation *taken_apart(const sph_animation *a)
+{
+    const size_t n = sph_animation_vertex_count(a), m = sph_animation_triangle_count(a);
+    const uint32_t frames = sph_animation_frame_count(a), *t = sph_animation_triangles(a);
+    float *xyz = read_all(a), *corners = test_malloc(3 * m, 3 * sizeof *corners);
+    uint32_t *indices = test_malloc(3 * m, sizeof *indices);
+    sph_animation *apart;
+    ck_assert_int_eq(sph_animation_create(context, (uint32_t)(3 * m), frames, &apart), SPH_OK);
+    for (uint32_t f = 0; f < frames; ++f) {
+        for (size_t i = 0; i < 3 * m; ++i)
+            memcpy(corners + 3 * i, xyz + (f * n + t[i]) * 3, 3 * sizeof *xyz);
+        ck_assert_int_eq(sph_animation_set_frame(apart, f, corners, 0), SPH_OK);
+    }
+    for (size_t i = 0; i < 3 * m; ++i)
+        indices[i] = (uint32_t)i;
+    ck_assert_int_eq(sph_animation_set_triangles(apart, indices, m, 0), SPH_OK);
+    free(indices);
+    free(corners);
+    free(xyz);
+    return apart;
+}
+
+START_TEST(a_shape_taken_apart_comes_together_again)
+{
+    sph_animation *whole = _i % 3 == 0   ? test_cube(context, 3)
+                           : _i % 3 == 1 ? test_sphere(context, 3, 4)
+                                         : test_torus(context, 20, 9, 3);
+    sph_animation *apart = taken_apart(whole), *welded;
+    const uint32_t n = sph_animation_vertex_count(whole), corners = sph_animation_vertex_count(apart);
+    const float tolerance = _i < 3 ? 0 : 1e-5f;
+    const float *was, *is;
+    float *first, *second;
+    uint32_t *map = test_malloc(corners, sizeof *map), highest = 0;
+    size_t wrong = 0;
+    ck_assert_int_eq(sph_animation_weld(apart, tolerance, map, &welded), SPH_OK);
+    ck_assert_uint_eq(sph_animation_vertex_count(welded), n);
+    ck_assert_uint_eq(sph_animation_triangle_count(welded), sph_animation_triangle_count(whole));
+    ck_assert_mem_eq(sph_animation_triangles(welded), map,
+                     corners * sizeof *map); /* triangle i was 3 i, 3 i + 1, 3 i + 2 */
+    was = first = read_all(apart);
+    is = second = read_all(welded);
+    for (uint32_t f = 0; f < sph_animation_frame_count(apart); ++f)
+        for (uint32_t i = 0; i < corners; ++i) {
+            wrong += memcmp(was + ((size_t)f * corners + i) * 3, is + ((size_t)f * n + map[i]) * 3, 12) != 0;
+            wrong += map[i] > highest + 1; /* new ones come in the order of their first vertex */
+            highest = map[i] > highest ? map[i] : highest;
+        }
+    ck_assert_uint_eq(wrong, 0);
+    free(first);
+    free(second);
+    free(map);
+    sph_animation_destroy(whole);
+    sph_animation_destroy(apart);
+    sph_animation_destroy(welded);
+}
+END_TEST
+
+START_TEST(vertices_that_part_in_one_frame_stay_two)
+{
+    static const float together[6] = {1, 2, 3, 1, 2, 3}, apart[6] = {1, 2, 3, 1, 2, 3.5f};
+    sph_animation *a, *welded;
+    uint32_t map[2];
+    ck_assert_int_eq(sph_animation_create(context, 2, 5, &a), SPH_OK);
+    for (uint32_t f = 0; f < 5; ++f)
+        ck_assert_int_eq(sph_animation_set_frame(a, f, f == (uint32_t)_i ? apart : together, 0), SPH_OK);
+    for (int with = 0; with < 2; ++with) {
+        ck_assert_int_eq(sph_animation_weld(a, with == 0 ? 0 : 0.49f, map, &welded), SPH_OK);
+        ck_assert_uint_eq(sph_animation_vertex_count(welded), 2);
+        ck_assert(map[0] == 0 && map[1] == 1);
+        sph_animation_destroy(welded);
+    }
+    ck_assert_int_eq(sph_animation_weld(a, 0.5f, map, &welded), SPH_OK); /* "no more than" */
+    ck_assert_uint_eq(sph_animation_vertex_count(welded), 1);
+    ck_assert(map[0] == 0 && map[1] == 0);
+    sph_animation_destroy(welded);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(simplices_that_come_to_repeat_a_vertex_are_dropped)
+{
+    static const float xyz[15] = {0, 0, 0, 1, 0, 0, 0, 0, -0.0f, 0, 1, 0, 1, 0, 0};
+    static const uint32_t triangles[] = {0, 1, 3, 0, 2, 3, 2, 4, 3, 3, 3, 1, 1, 0, 4};
+    static const uint32_t edges[] = {0, 2, 2, 1, 3, 3, 4, 3};
+    static const uint32_t want_map[] = {0, 1, 0, 2, 1}, want_triangles[] = {0, 1, 2, 0, 1, 2},
+                          want_edges[] = {0, 1, 1, 2};
+    sph_animation *a, *welded;
+    uint32_t map[5];
+    ck_assert_int_eq(sph_animation_create(context, 5, 1, &a), SPH_OK);
+    ck_assert_int_eq(sph_animation_set_frame(a, 0, xyz, 0), SPH_OK);
+    ck_assert_int_eq(sph_animation_set_triangles(a, triangles, 5, 0), SPH_OK);
+    ck_assert_int_eq(sph_animation_set_edges(a, edges, 4, 0), SPH_OK);
+    ck_assert_int_eq(sph_animation_weld(a, 0, map, &welded), SPH_OK);
+    ck_assert_mem_eq(map, want_map, sizeof map);
+    ck_assert_uint_eq(sph_animation_triangle_count(welded), 2);
+    ck_assert_mem_eq(sph_animation_triangles(welded), want_triangles, sizeof want_triangles);
+    ck_assert_uint_eq(sph_animation_edge_count(welded), 2);
+    ck_assert_mem_eq(sph_animation_edges(welded), want_edges, sizeof want_edges);
+    sph_animation_destroy(welded);
+    ck_assert_int_eq(sph_animation_weld(a, 10, NULL, &welded), SPH_OK); /* all is one; the map is not wanted */
+    ck_assert_uint_eq(sph_animation_vertex_count(welded), 1);
+    ck_assert_uint_eq(sph_animation_triangle_count(welded), 0);
+    ck_assert_ptr_null(sph_animation_triangles(welded));
+    ck_assert_ptr_null(sph_animation_edges(welded));
+    sph_animation_destroy(welded);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(a_chain_is_not_pulled_together_from_end_to_end)
+{
+    /* Vertices 0.6 apart, tolerance 1: pairs, each led by its lower vertex, whichever way the chain runs. */
+    float xyz[3 * 9] = {0};
+    sph_animation *a, *welded;
+    uint32_t map[9];
+    for (size_t i = 0; i < 9; ++i)
+        xyz[3 * i + (size_t)_i % 3] = (_i < 3 ? 0.6f : -0.6f) * (float)i;
+    ck_assert_int_eq(sph_animation_create(context, 9, 1, &a), SPH_OK);
+    ck_assert_int_eq(sph_animation_set_frame(a, 0, xyz, 0), SPH_OK);
+    ck_assert_int_eq(sph_animation_weld(a, 1, map, &welded), SPH_OK);
+    for (uint32_t i = 0; i < 9; ++i)
+        ck_assert_uint_eq(map[i], i / 2);
+    sph_animation_destroy(welded);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+/* --- brute force --- */
+
+static bool near_always(const float *xyz, size_t n, size_t frames, size_t a, size_t b, double tolerance)
+{
+    for (size_t f = 0; f < frames; ++f)
+        for (size_t k = 0; k < 3; ++k)
+            if (!(fabs((double)xyz[(f * n + a) * 3 + k] - (double)xyz[(f * n + b) * 3 + k]) <= tolerance)) return false;
+    return true;
+}
+
+static uint32_t brute_map(const sph_animation *a, float tolerance, uint32_t *map)
+{
+    const size_t n = sph_animation_vertex_count(a), frames = sph_animation_frame_count(a);
+    float *xyz = read_all(a);
+    uint32_t *leaders = test_malloc(n, sizeof *leaders), count = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        uint32_t l = 0;
+        while (l < count && !near_always(xyz, n, frames, i, leaders[l], tolerance))
+            ++l;
+        if (l == count) leaders[count++] = i;
+        map[i] = l;
+    }
+    free(leaders);
+    free(xyz);
+    return count;
+}
+
+static void assert_like_brute_force(const sph_animation *a, float tolerance, uint64_t seed)
+{
+    const uint32_t n = sph_animation_vertex_count(a);
+    uint32_t *want = test_malloc(n, sizeof *want), *got = test_malloc(n, sizeof *got);
+    const uint32_t count = brute_map(a, tolerance, want);
+    sph_animation *welded;
+    ck_assert_int_eq(sph_animation_weld(a, tolerance, got, &welded), SPH_OK);
+    ck_assert_msg(sph_animation_vertex_count(welded) == count && memcmp(want, got, n * sizeof *got) == 0,
+                  "seed %d, tolerance %g: %u vertices, brute force says %u", (int)seed, (double)tolerance,
+                  sph_animation_vertex_count(welded), count);
+    sph_animation_destroy(welded);
+    free(want);
+    free(got);
+}
+
+static const float TOLERANCES[] = {0, 1e-30f, 1e-4f, 0.02f, 0.1f, 0.5f, 3, 3e37f};
+
+/* Points that scatter about lattice points, another lattice in each frame; `scale` moves what rounding does. */
+static sph_animation *random_points(uint64_t seed)
+{
+    static const float scales[] = {1, 1e-3f, 1e6f, 1e-30f, 1e35f};
+    const uint32_t n = 1 + (uint32_t)(test_random(&seed) % 120), frames = 1 + (uint32_t)(test_random(&seed) % 3);
+    const uint64_t sites = 1 + test_random(&seed) % 3;
+    const float scale = seed % 2 == 0 ? 1 : scales[seed / 2 % 5], scatter = test_random(&seed) % 2 == 0 ? 0 : 0.03f;
+    float *xyz = test_malloc(n, 3 * sizeof *xyz);
+    sph_animation *a;
+    ck_assert_int_eq(sph_animation_create(context, n, frames, &a), SPH_OK);
+    for (uint32_t f = 0; f < frames; ++f) {
+        for (size_t i = 0; i < 3 * (size_t)n; ++i)
+            xyz[i] = scale * ((float)(test_random(&seed) % (sites + 1)) - 1 + scatter * (float)test_random_unit(&seed));
+        ck_assert_int_eq(sph_animation_set_frame(a, f, xyz, 0), SPH_OK);
+    }
+    free(xyz);
+    return a;
+}
+
+START_TEST(random_points_are_welded_as_by_brute_force)
+{
+    for (uint64_t seed = 0; seed < 250; ++seed) {
+        sph_animation *a = random_points(seed);
+        for (size_t t = 0; t < sizeof TOLERANCES / sizeof TOLERANCES[0]; ++t)
+            assert_like_brute_force(a, TOLERANCES[t], seed);
+        sph_animation_destroy(a);
+    }
+}
+END_TEST
+
+START_TEST(surfaces_welded_beyond_their_edges_are_as_by_brute_force)
+{
+    sph_animation *a = test_torus(context, 40, 17, 5), *grid = test_grid(context, 30, 20, 2);
+    for (size_t t = 0; t < sizeof TOLERANCES / sizeof TOLERANCES[0]; ++t) {
+        assert_like_brute_force(a, TOLERANCES[t], 0);
+        assert_like_brute_force(grid, TOLERANCES[t] * 1.1f, 0);
+    }
+    assert_like_brute_force(grid, 1, 0); /* the very distance of its vertices */
+    sph_animation_destroy(grid);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+/* --- size --- */
+
+START_TEST(a_hundred_thousand_coincident_vertices_are_one)
+{
+    const uint32_t n = 100000;
+    float *xyz = test_malloc(n, 3 * sizeof *xyz);
+    sph_animation *a, *welded;
+    ck_assert_int_eq(sph_animation_create(context, n, 3, &a), SPH_OK);
+    for (size_t i = 0; i < 3 * (size_t)n; ++i)
+        xyz[i] = 0.3f;
+    ck_assert_int_eq(sph_animation_set_frame(a, 1, xyz, 0), SPH_OK);
+    ck_assert_int_eq(sph_animation_weld(a, _i == 0 ? 0 : 0.25f, NULL, &welded), SPH_OK);
+    ck_assert_uint_eq(sph_animation_vertex_count(welded), 1);
+    sph_animation_destroy(welded);
+    free(xyz);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(a_hundred_thousand_vertices_that_meet_in_one_frame_stay_apart)
+{
+    const uint32_t n = 100000;
+    float *xyz = test_malloc(n, 3 * sizeof *xyz);
+    sph_animation *a, *welded;
+    ck_assert_int_eq(sph_animation_create(context, n, 3, &a), SPH_OK); /* frames 0 and 1: all in the origin */
+    for (uint32_t i = 0; i < n; ++i) {
+        xyz[3 * i] = (float)(i % 100);
+        xyz[3 * i + 1] = (float)(i / 100 % 100);
+        xyz[3 * i + 2] = (float)(i / 10000);
+    }
+    ck_assert_int_eq(sph_animation_set_frame(a, 2, xyz, 0), SPH_OK);
+    /* nothing; nothing by a hair; and, with a tolerance over the distance, the cubes 0 1, 2 3, ... of eight */
+    ck_assert_int_eq(sph_animation_weld(a, _i == 0 ? 0 : _i == 1 ? 0.99f : 1, NULL, &welded), SPH_OK);
+    ck_assert_uint_eq(sph_animation_vertex_count(welded), _i < 2 ? n : n / 8);
+    sph_animation_destroy(welded);
+    free(xyz);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(frames_of_a_source_pass_by_without_being_held)
+{
+    enum { N = 2000, FRAMES = 100 };
+    test_faulty faulty = {0};
+    const sph_allocator allocator = test_faulty_allocator(&faulty);
+    sph_context *own = test_context_with_allocator(&allocator);
+    sph_animation *held, *pulled, *welded;
+    test_source source = {0};
+    ck_assert_int_eq(sph_animation_create(context, N, FRAMES, &held), SPH_OK); /* all in the origin, always */
+    source.from = held;
+    pulled = test_pulled(own, &source);
+    ck_assert_int_eq(sph_animation_weld(pulled, _i == 0 ? 0 : 0.1f, NULL, &welded), SPH_OK);
+    ck_assert_uint_eq(sph_animation_vertex_count(welded), 1);
+    ck_assert_uint_eq(source.reads, (_i == 0 ? 2 : 3) * FRAMES);
+    ck_assert_uint_lt(faulty.peak_bytes, N * FRAMES * 3 * sizeof(float) / 10);
+    sph_animation_destroy(welded);
+    sph_animation_destroy(pulled);
+    sph_animation_destroy(held);
+    sph_context_destroy(own);
+    ck_assert(faulty.live_blocks == 0 && !faulty.misused);
+}
+END_TEST
+
+/* --- the call --- */
+
+START_TEST(weld_rejects_bad_arguments)
+{
+    static const float bad[] = {-1, -1e-30f, NAN, INFINITY, -INFINITY};
+    sph_animation *a = test_cube(context, 2), *welded = a;
+    uint32_t map[8];
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        welded = a;
+        ck_assert_int_eq(sph_animation_weld(a, bad[i], map, &welded), SPH_E_INVALID);
+        ck_assert_ptr_null(welded);
+        ck_assert_ptr_nonnull(strstr(sph_context_last_message(context), "tolerance"));
+    }
+    welded = a;
+    ck_assert_int_eq(sph_animation_weld(NULL, 0, map, &welded), SPH_E_INVALID);
+    ck_assert_ptr_null(welded);
+    ck_assert_int_eq(sph_animation_weld(a, 0, map, NULL), SPH_E_INVALID);
+    sph_animation_destroy(a);
+}
+END_TEST
+
+START_TEST(weld_names_the_vertex_that_is_not_finite)
+{
+    sph_animation *a = test_cube(context, 3), *welded = a;
+    float xyz[24];
+    uint32_t map[8] = {42};
+    ck_assert_int_eq(sph_animation_read_frame(a, 2, xyz), SPH_OK);
+    xyz[3 * 5 + 1] = _i % 2 == 0 ? NAN : INFINITY;
+    ck_assert_int_eq(sph_animation_set_frame(a, 2, xyz, 0), SPH_OK);
+    ck_assert_int_eq(sph_animation_weld(a, _i < 2 ? 0 : 0.1f, map, &welded), SPH_E_INVALID);
+    ck_assert_ptr_null(welded);
+    ck_assert_uint_eq(map[0], 42);
+    ck_assert_ptr_nonnull(strstr(sph_context_last_message(context), "frame 2, vertex 5"));
+    sph_animation_destroy(a);
+}
+END_TEST
+
+/* A torus whose vertices are double, and which a tolerance of 0.3 welds further: every stage has work. */
+static sph_animation *model_for(sph_context *own)
+{
+    sph_animation *torus = test_torus(own, 12, 8, 3), *apart;
+    apart = taken_apart(torus);
+    sph_animation_destroy(torus);
+    return apart;
+}
+
+static const float STAGE_TOLERANCES[] = {0, 1e-4f, 0.3f};
+
+START_TEST(progress_never_falls_and_may_cancel_at_any_call)
+{
+    test_progress progress = {0};
+    sph_context *own = test_context_with_progress(test_progress_callback, &progress);
+    sph_animation *model = model_for(context), *a, *welded;
+    test_source source = {.from = model};
+    uint32_t *map = test_malloc(sph_animation_vertex_count(model), sizeof *map);
+    size_t calls;
+    a = test_pulled(own, &source);
+    ck_assert_int_eq(sph_animation_weld(a, STAGE_TOLERANCES[_i], map, &welded), SPH_OK);
+    sph_animation_destroy(welded);
+    calls = progress.calls;
+    ck_assert_uint_gt(calls, 6);
+    ck_assert(!progress.fell);
+    ck_assert_double_eq_tol(progress.last, 1, 1e-12);
+    map[0] = 42;
+    for (size_t n = 1; n <= calls; ++n) {
+        progress = (test_progress){.cancel_at = n};
+        ck_assert_int_eq(sph_animation_weld(a, STAGE_TOLERANCES[_i], map, &welded), SPH_E_CANCELLED);
+        ck_assert_ptr_null(welded);
+        ck_assert_uint_eq(progress.calls, n);
+        ck_assert_uint_eq(map[0], 42);
+    }
+    free(map);
+    sph_animation_destroy(a);
+    sph_animation_destroy(model);
+    sph_context_destroy(own);
+}
+END_TEST
+
+static sph_status faulty_scenario(const sph_allocator *allocator, const sph_animation *model, float tolerance)
+{
+    sph_context *own = test_context_with_allocator(allocator);
+    test_source source = {.from = model};
+    sph_animation *a = own == NULL ? NULL : test_pulled(own, &source), *welded = NULL;
+    sph_status status = a == NULL ? SPH_E_NOMEM : sph_animation_weld(a, tolerance, NULL, &welded);
+    ck_assert_int_eq(status == SPH_OK, welded != NULL);
+    sph_animation_destroy(welded);
+    sph_animation_destroy(a);
+    sph_context_destroy(own);
+    return status;
+}
+
+START_TEST(every_allocation_may_fail)
+{
+    sph_animation *model = model_for(context);
+    for (size_t n = 1;; ++n) {
+        test_faulty faulty = {.fail_at = n, .sticky = _i % 2 != 0};
+        const sph_allocator allocator = test_faulty_allocator(&faulty);
+        const sph_status status = faulty_scenario(&allocator, model, STAGE_TOLERANCES[_i / 2]);
+        ck_assert_msg(faulty.live_blocks == 0, "leak of %zu bytes when allocation %zu fails", faulty.live_bytes, n);
+        ck_assert(!faulty.misused);
+        if (faulty.calls < n) {
+            ck_assert_int_eq(status, SPH_OK);
+            ck_assert_uint_gt(n, 10);
+            break;
+        }
+        ck_assert_int_eq(status, SPH_E_NOMEM);
+    }
+    sph_animation_destroy(model);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("animation weld");
+    TCase *tc = tcase_create("weld");
+    SRunner *runner;
+    int failed;
+    tcase_add_checked_fixture(tc, setup, teardown);
+    tcase_add_loop_test(tc, a_shape_taken_apart_comes_together_again, 0, 6);
+    tcase_add_loop_test(tc, vertices_that_part_in_one_frame_stay_two, 0, 5);
+    tcase_add_test(tc, simplices_that_come_to_repeat_a_vertex_are_dropped);
+    tcase_add_loop_test(tc, a_chain_is_not_pulled_together_from_end_to_end, 0, 6);
+    tcase_add_test(tc, random_points_are_welded_as_by_brute_force);
+    tcase_add_test(tc, surfaces_welded_beyond_their_edges_are_as_by_brute_force);
+    tcase_add_loop_test(tc, a_hundred_thousand_coincident_vertices_are_one, 0, 2);
+    tcase_add_loop_test(tc, a_hundred_thousand_vertices_that_meet_in_one_frame_stay_apart, 0, 3);
+    tcase_add_loop_test(tc, frames_of_a_source_pass_by_without_being_held, 0, 2);
+    tcase_add_test(tc, weld_rejects_bad_arguments);
+    tcase_add_loop_test(tc, weld_names_the_vertex_that_is_not_finite, 0, 4);
+    tcase_add_loop_test(tc, progress_never_falls_and_may_cancel_at_any_call, 0, 3);
+    tcase_add_loop_test(tc, every_allocation_may_fail, 0, 6);
+    suite_add_tcase(suite, tc);
+    runner = srunner_create(suite);
+    srunner_run_all(runner, CK_ENV);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
