@@ -10,6 +10,7 @@ test_packages=(
     g++ clang             # the second compiler, and C++ for what is tested against
     check                 # the test framework
     liblapacke-dev        # the oracle of lib/numeric
+    libjansson-dev libopenmesh-dev # the oracles of lib/io
     python3               # scripts/check_*.py, count_tests.py
 )
 

@@ -107,19 +107,19 @@ static sph_status open_mdd(sph_context *context, const char *path, sph__io_cache
     return SPH_OK;
 }
 
+sph_status sph__io_cache_interpret(sph_context *context, const char *path, sph__io_cache *cache)
+{
+    if (is_pc2(&cache->map) || sph__io_has_ending(path, "pc2")) return open_pc2(context, path, cache);
+    if (is_mdd(&cache->map) || sph__io_has_ending(path, "mdd")) return open_mdd(context, path, cache);
+    return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: neither a PC2 nor an MDD point cache", sph__io_shown(path));
+}
+
 sph_status sph__io_cache_open(sph_context *context, const char *path, sph__io_cache *cache)
 {
     sph_status status;
     *cache = (sph__io_cache){.offset = 0};
     status = sph__io_map_open(context, path, &cache->map);
-    if (status != SPH_OK) return status;
-    if (is_pc2(&cache->map) || sph__io_has_ending(path, "pc2"))
-        status = open_pc2(context, path, cache);
-    else if (is_mdd(&cache->map) || sph__io_has_ending(path, "mdd"))
-        status = open_mdd(context, path, cache);
-    else
-        status =
-            sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: neither a PC2 nor an MDD point cache", sph__io_shown(path));
+    if (status == SPH_OK) status = sph__io_cache_interpret(context, path, cache);
     if (status != SPH_OK) sph__io_cache_close(cache);
     return status;
 }

@@ -81,6 +81,8 @@ typedef struct sph__io_cache {
     bool big_endian;
 } sph__io_cache;
 sph_status sph__io_cache_open(sph_context *context, const char *path, sph__io_cache *cache);
+/* The part of it that comes after the mapping of the file: checks the header, fills the rest in. */
+sph_status sph__io_cache_interpret(sph_context *context, const char *path, sph__io_cache *cache);
 void sph__io_cache_close(sph__io_cache *cache);
 void sph__io_cache_read(const sph__io_cache *cache, uint32_t frame, float *xyz);
 /* "PC2" or "MDD" where the bytes or the name say so, else NULL. */

@@ -121,7 +121,7 @@ static sph_status read_reference(parser *s, uint32_t *index)
     }
     if (!at_token_end(s)) return fail(s, "not a vertex index");
     if (value == 0) return fail(s, "vertex index 0: they start at 1");
-    if (value > INDEX_LIMIT) return fail(s, "vertex index above 2^31 - 1");
+    if (value > INDEX_LIMIT || value < -INDEX_LIMIT) return fail(s, "a vertex index beyond 2^31 - 1");
     if (value < -count)
         return sph__io_fail(s->mesh->context, SPH_E_FORMAT,
                             "%s: line %zu: vertex index %lld, but only %lld vertices come before",

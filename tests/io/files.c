@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: MIT */
+#include "files.h"
+
+#include <check.h>
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "support.h"
+
+enum { PATH_SIZE = 512, PATH_LIMIT = 4096 };
+
+static char folder[PATH_SIZE];
+static char *paths[PATH_LIMIT];
+static size_t path_count;
+
+void files_setup(void)
+{
+    const char *base = getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%s/sphmesh-test-XXXXXX", base == NULL ? "/tmp" : base);
+    ck_assert_ptr_nonnull(mkdtemp(folder));
+    path_count = 0;
+}
+
+static void remove_all(const char *path)
+{
+    DIR *directory = opendir(path);
+    const struct dirent *entry;
+    ck_assert_ptr_nonnull(directory);
+    while ((entry = readdir(directory)) != NULL) {
+        char name[2 * PATH_SIZE];
+        struct stat found;
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0) continue;
+        snprintf(name, sizeof name, "%s/%s", path, entry->d_name);
+        if (lstat(name, &found) == 0 && S_ISDIR(found.st_mode))
+            remove_all(name);
+        else
+            unlink(name);
+    }
+    closedir(directory);
+    rmdir(path);
+}
+
+void files_teardown(void)
+{
+    remove_all(folder);
+    while (path_count > 0)
+        free(paths[--path_count]);
+}
+
+const char *file_path(const char *name)
+{
+    const size_t size = strlen(folder) + strlen(name) + 2;
+    char *path = test_malloc(size, 1);
+    ck_assert_uint_lt(path_count, PATH_LIMIT);
+    snprintf(path, size, "%s/%s", folder, name);
+    paths[path_count++] = path;
+    return path;
+}
+
+const char *file_write(const char *name, const void *bytes, size_t size)
+{
+    const char *path = file_path(name);
+    FILE *file = fopen(path, "wb");
+    ck_assert_ptr_nonnull(file);
+    ck_assert_uint_eq(size == 0 ? 0 : fwrite(bytes, 1, size, file), size);
+    ck_assert_int_eq(fclose(file), 0);
+    return path;
+}
+
+const char *file_text(const char *name, const char *text)
+{
+    return file_write(name, text, strlen(text));
+}
+
+unsigned char *file_read(const char *path, size_t *size)
+{
+    FILE *file = fopen(path, "rb");
+    unsigned char *bytes;
+    long length;
+    ck_assert_msg(file != NULL, "%s is not there", path);
+    ck_assert_int_eq(fseek(file, 0, SEEK_END), 0);
+    length = ftell(file);
+    ck_assert_int_ge(length, 0);
+    rewind(file);
+    bytes = test_malloc((size_t)length + 1, 1);
+    ck_assert_uint_eq(fread(bytes, 1, (size_t)length, file), (size_t)length);
+    bytes[length] = '\0';
+    fclose(file);
+    *size = (size_t)length;
+    return bytes;
+}
+
+size_t file_count(void)
+{
+    DIR *directory = opendir(folder);
+    size_t count = 0;
+    ck_assert_ptr_nonnull(directory);
+    while (readdir(directory) != NULL)
+        ++count;
+    closedir(directory);
+    return count - 2;
+}
+
+void put_bytes(layout *l, const void *bytes, size_t size)
+{
+    if (l->size + size > l->capacity) {
+        unsigned char *grown = test_malloc(2 * (l->size + size), 1);
+        if (l->size != 0) memcpy(grown, l->bytes, l->size);
+        free(l->bytes);
+        l->bytes = grown;
+        l->capacity = 2 * (l->size + size);
+    }
+    if (size != 0) memcpy(l->bytes + l->size, bytes, size);
+    l->size += size;
+}
+
+void put_little(layout *l, uint64_t value, unsigned size)
+{
+    for (unsigned i = 0; i < size; ++i) {
+        const unsigned char byte = (unsigned char)(value >> 8 * i);
+        put_bytes(l, &byte, 1);
+    }
+}
+
+void put_big(layout *l, uint64_t value, unsigned size)
+{
+    for (unsigned i = size; i-- > 0;) {
+        const unsigned char byte = (unsigned char)(value >> 8 * i);
+        put_bytes(l, &byte, 1);
+    }
+}
+
+void put_little_float(layout *l, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put_little(l, bits, 4);
+}
+
+void put_big_float(layout *l, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put_big(l, bits, 4);
+}
+
+void layout_free(layout *l)
+{
+    free(l->bytes);
+    *l = (layout){NULL, 0, 0};
+}
+
+unsigned char *exact_copy(const void *bytes, size_t size)
+{
+    unsigned char *copy = malloc(size);
+    if (size != 0) memcpy(copy, bytes, size);
+    return copy;
+}
+
+float coordinate(uint32_t frame, uint32_t vertex, unsigned axis)
+{
+    return (float)(vertex * 4 + axis) + (float)frame / 1024;
+}
+
+void put_pc2(layout *l, uint32_t vertices, uint32_t frames)
+{
+    put_bytes(l, "POINTCACHE2", 12);
+    put_little(l, 1, 4); /* version */
+    put_little(l, vertices, 4);
+    put_little_float(l, 0); /* start */
+    put_little_float(l, 1); /* frames per sample */
+    put_little(l, frames, 4);
+    for (uint32_t f = 0; f < frames; ++f)
+        for (uint32_t i = 0; i < 3 * vertices; ++i)
+            put_little_float(l, coordinate(f, i / 3, i % 3));
+}
+
+void put_mdd(layout *l, uint32_t vertices, uint32_t frames)
+{
+    put_big(l, frames, 4);
+    put_big(l, vertices, 4);
+    for (uint32_t f = 0; f < frames; ++f)
+        put_big_float(l, (float)f / 25);
+    for (uint32_t f = 0; f < frames; ++f)
+        for (uint32_t i = 0; i < 3 * vertices; ++i)
+            put_big_float(l, coordinate(f, i / 3, i % 3));
+}
+
+const char *write_obj(const char *name, uint32_t vertices, uint32_t frame)
+{
+    const char *path = file_path(name);
+    FILE *file = fopen(path, "w");
+    ck_assert_ptr_nonnull(file);
+    for (uint32_t i = 0; i < vertices; ++i)
+        fprintf(file, "v %.10f %.10f %.10f\n", (double)coordinate(frame, i, 0), (double)coordinate(frame, i, 1),
+                (double)coordinate(frame, i, 2));
+    for (uint32_t i = 0; i + 2 < vertices; ++i)
+        fprintf(file, "f %u %u %u\n", i + 1, i + 2, i + 3);
+    ck_assert_int_eq(fclose(file), 0);
+    return path;
+}
+
+sph_animation *open_one(sph_context *context, const char *path, const sph_io_open_options *options, sph_status *status)
+{
+    sph_animation *animation = NULL;
+    *status = sph_io_open_animation(context, &path, 1, options, &animation);
+    ck_assert_int_eq(animation == NULL, *status != SPH_OK);
+    return animation;
+}
