@@ -111,11 +111,12 @@ static void edge_foot(const sph__primitive *p, int32_t index, const double x[3],
     f->distance = across * e->cosine + along * e->sine - p->radius[e->from];
 }
 
-/* Edges on whose outer side the weights are, as bits. */
+/* Of the sphere that the face nearest to centre 0 + d touches, `height` (towards that face) above the centres' plane.
+ * The edges on whose outer side the weights are, as bits. */
 static int face_weights(const sph__primitive *p, const double d[3], double height, double *b1, double *b2)
 {
-    *b1 = sph__dot(p->gradient[0], d) - fabs(height) * p->gradient_tilt[0];
-    *b2 = sph__dot(p->gradient[1], d) - fabs(height) * p->gradient_tilt[1];
+    *b1 = sph__dot(p->gradient[0], d) - height * p->gradient_tilt[0];
+    *b2 = sph__dot(p->gradient[1], d) - height * p->gradient_tilt[1];
     return (*b2 < 0 ? 1 : 0) | (*b1 + *b2 > 1 ? 2 : 0) | (*b1 < 0 ? 4 : 0);
 }
 
@@ -133,11 +134,11 @@ static void find_foot(const sph__primitive *p, const double x[3], foot *f)
     if (p->has_faces) {
         double d[3], height;
         sph__subtract(x, p->center[0], d);
-        height = sph__dot(d, p->plane_normal);
+        height = fabs(sph__dot(d, p->plane_normal));
         edges = face_weights(p, d, height, &f->a, &f->b);
         if (edges == 0) {
             f->edge = f->corner = -1;
-            f->distance = sph__dot(d, p->tilt) + fabs(height) * p->rise - p->radius[0];
+            f->distance = sph__dot(d, p->tilt) + height * p->rise - p->radius[0];
             return;
         }
     }
@@ -157,16 +158,67 @@ double sph__primitive_distance(const sph__primitive *p, const double x[3])
     return f.distance;
 }
 
+/* How far the plane with normal n that touches sphere i leaves the other spheres below it, at the worst. */
+static double clearance(const sph__primitive *p, int32_t i, const double n[3])
+{
+    double least = DBL_MAX;
+    for (int32_t j = 0; j < p->corner_count; ++j) {
+        double d[3];
+        if (j == i) continue;
+        sph__subtract(p->center[i], p->center[j], d);
+        least = fmin(least, sph__dot(d, n) + p->radius[i] - p->radius[j]);
+    }
+    return least;
+}
+
+/* At right angles to the edge, away from the third corner where there is one. */
+static void choose_across(const sph__primitive *p, const sph__primitive_edge *e, double across[3])
+{
+    double length = 0;
+    if (p->corner_count == 3) {
+        sph__subtract(p->center[e->from], p->center[3 - e->from - e->to], across);
+        sph__add_scaled(across, -sph__dot(across, e->axis), e->axis, across);
+        length = sph__norm(across);
+    }
+    if (length > 1e-9 * e->length)
+        for (int k = 0; k < 3; ++k)
+            across[k] /= length;
+    else
+        sph__perpendicular(e->axis, across);
+}
+
+/* A normal with which sphere i touches the boundary, for a point at its centre: all that do are equally near. */
+static void free_normal(const sph__primitive *p, int32_t i, double normal[3])
+{
+    const int32_t edge_count = p->corner_count == 3 ? 3 : p->corner_count - 1;
+    double n[3] = {0, 0, 1}, across[3], best = clearance(p, i, n);
+    sph__copy3(n, normal);
+    if (p->has_faces) {
+        sph__add_scaled(p->tilt, p->rise, p->plane_normal, normal);
+        return;
+    }
+    for (int32_t k = 0; k < edge_count; ++k) {
+        const sph__primitive_edge *e = &p->edge[k];
+        if (e->only >= 0 || (e->from != i && e->to != i)) continue;
+        choose_across(p, e, across);
+        for (int j = 0; j < 3; ++j)
+            n[j] = e->sine * e->axis[j] + e->cosine * across[j];
+        if (clearance(p, i, n) <= best) continue;
+        best = clearance(p, i, n);
+        sph__copy3(n, normal);
+    }
+}
+
 static void corner_contact(const sph__primitive *p, int32_t i, const double x[3], sph__contact *c)
 {
     double length;
     sph__subtract(x, p->center[i], c->normal);
     length = sph__norm(c->normal);
-    if (length > 0)
+    if (length > 1e-14 * p->radius[i]) /* nearer the direction is noise */
         for (int k = 0; k < 3; ++k)
             c->normal[k] /= length;
     else
-        c->normal[2] = 1; /* all directions are equally near */
+        free_normal(p, i, c->normal);
     c->weights[i] = 1;
 }
 
@@ -177,11 +229,11 @@ static void edge_contact(const sph__primitive *p, const foot *f, const double x[
     sph__subtract(x, p->center[e->from], d);
     sph__add_scaled(d, -sph__dot(d, e->axis), e->axis, d);
     length = sph__norm(d);
-    if (length > DBL_MIN)
+    if (length > 1e-14 * e->length) /* nearer the direction is noise */
         for (int k = 0; k < 3; ++k)
             d[k] /= length;
     else
-        sph__perpendicular(e->axis, d);
+        choose_across(p, e, d);
     for (int k = 0; k < 3; ++k)
         c->normal[k] = e->sine * e->axis[k] + e->cosine * d[k];
     c->weights[e->from] = 1 - f->a;
@@ -292,7 +344,7 @@ static void cast_face(const sph__primitive *p, int side, const double o[3], cons
     s = (p->radius[0] - sph__dot(n, v)) / rate;
     if (!(s >= 0 && s <= *best)) return;
     sph__add_scaled(v, s, d, x);
-    if (face_weights(p, x, sph__dot(x, p->plane_normal), &b1, &b2) == 0) *best = s;
+    if (face_weights(p, x, side * sph__dot(x, p->plane_normal), &b1, &b2) == 0) *best = s;
 }
 
 bool sph__primitive_cast(const sph__primitive *p, const double o[3], const double d[3], double limit, double *s)
