@@ -129,12 +129,14 @@ SPH_API sph_status sph_animation_bounding_diagonal(const sph_animation *animatio
  * What sph_animation_check() found. Counts are exact; indices name the first case, frames before triangles and vertices. Fill
  * `struct_size` by the initialiser.
  *
- * Triangles and edges that name a vertex twice are counted as such, and then left out of everything that concerns
- * connectivity: they are no duplicates, have no edges, join no components, and a vertex only of such is isolated. Duplicate
- * triangles are triangles: each counts for its edges. For `inward_component_count` components are joined by triangles alone,
- * and closed and consistently wound means that every edge has as many triangles in one direction as in the other. Vertices that are
- * not finite in a frame coincide with none, have no part in the frame's diagonal, and give their triangles no area to
- * compare and their component no volume in that frame.
+ * Triangles and edges that name a vertex twice are counted as such. For all that concerns connectivity a triangle that names
+ * two vertices is then the edge between them, which is a wire edge unless a triangle has it; one that names a single vertex,
+ * and such an edge, is nothing. Duplicate triangles are triangles: each counts for its edges.
+ *
+ * For `inward_component_count` components are joined by triangles alone, and closed and consistently wound means that every
+ * edge has as many triangles in one direction as in the other. Vertices that are not finite in a frame coincide with none,
+ * have no part in the frame's diagonal, and give their triangles no area to compare and their component no volume in that
+ * frame.
  */
 typedef struct sph_animation_report {
     uint32_t struct_size;              /**< bytes the caller knows of */
@@ -154,7 +156,7 @@ typedef struct sph_animation_report {
     uint64_t inconsistent_edge_count;  /**< edges of two triangles that run along it in the same direction */
     uint64_t wire_edge_count;          /**< different edges of no triangle */
     uint64_t component_count;          /**< connected components, isolated vertices included */
-    uint64_t isolated_vertex_count;    /**< vertices of no triangle and no edge */
+    uint64_t isolated_vertex_count;    /**< vertices of no triangle and no edge to another */
     uint64_t coincident_vertex_count;  /**< vertices that coincide in all frames with one of lower index: what welding would remove */
     uint64_t inward_component_count;   /**< closed, consistently wound components whose signed volume, summed over frames, is
                                             negative beyond rounding: below -1e-12 of the sum of its parts */

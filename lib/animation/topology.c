@@ -47,14 +47,25 @@ static void join_triangles(const sph_animation *a, uint32_t *parent, uint8_t *us
     }
 }
 
-static void join_edges(const sph_animation *a, uint32_t *parent, uint8_t *used)
+/* The wires, some of them perhaps edges of triangles too: additional edges, and triangles that name two vertices only.
+ */
+static bool wire_at(const sph_animation *a, size_t i, const uint32_t **from, const uint32_t **to)
 {
-    for (size_t e = 0; e < a->edge_count; ++e) {
-        const uint32_t *v = a->edges + 2 * e;
-        if (sph__names_vertex_twice(v, 2)) continue;
-        join(parent, v[0], v[1]);
-        used[v[0]] = used[v[1]] = 1;
-    }
+    const uint32_t *v = i < a->edge_count ? a->edges + 2 * i : a->triangles + 3 * (i - a->edge_count);
+    if (i >= a->edge_count && !sph__names_vertex_twice(v, 3)) return false;
+    *from = v;
+    *to = i >= a->edge_count && v[0] == v[1] ? v + 2 : v + 1;
+    return **from != **to;
+}
+
+static void join_wires(const sph_animation *a, uint32_t *parent, uint8_t *used)
+{
+    const uint32_t *from, *to;
+    for (size_t i = 0; i < a->edge_count + a->triangle_count; ++i)
+        if (wire_at(a, i, &from, &to)) {
+            join(parent, *from, *to);
+            used[*from] = used[*to] = 1;
+        }
 }
 
 static sph_status count_components(const sph_animation *a, sph_animation_report *report, sph__patches *patches)
@@ -71,7 +82,7 @@ static sph_status count_components(const sph_animation *a, sph_animation_report 
             patches->of[i] = find_root(parent, i);
             patches->closed[patches->of[i]] = used[i]; /* open edges are found later */
         }
-        join_edges(a, parent, used);
+        join_wires(a, parent, used);
         for (uint32_t i = 0; i < n; ++i) {
             if (parent[i] == i) ++report->component_count;
             if (used[i] == 0) ++report->isolated_vertex_count;
@@ -86,41 +97,51 @@ static sph_status count_components(const sph_animation *a, sph_animation_report 
 
 /* --- edges --- */
 
-/* For each vertex the edges to higher ones, one entry for each triangle or additional edge that has it. */
+/* For each vertex the edges to higher ones, one entry for each triangle, or each wire, that has it. */
 typedef struct rows {
     size_t *start;  /* entries of vertex v: [start[v], start[v + 1]) */
     uint32_t *ends; /* twice the higher vertex, plus 1 where the edge runs downwards */
 } rows;
 
-/* Calls for each edge of each proper simplex: counts it (`fill` false), or puts it in its place. */
-static void visit_edges(const uint32_t *simplices, size_t count, uint32_t corners, rows *r, bool fill)
+/* Counts an edge (`fill` false), or puts it in its place. */
+static void visit_edge(rows *r, uint32_t from, uint32_t to, bool fill)
 {
-    const uint32_t sides = corners == 2 ? 1 : 3;
-    for (size_t s = 0; s < count; ++s) {
-        const uint32_t *v = simplices + corners * s;
-        if (sph__names_vertex_twice(v, corners)) continue;
-        for (uint32_t k = 0; k < sides; ++k) {
-            const uint32_t from = v[k], to = v[(k + 1) % corners], low = from < to ? from : to;
-            if (fill)
-                r->ends[r->start[low + 1]++] = (from + to - low) << 1 | (from > to);
-            else
-                ++r->start[low + 2];
-        }
+    const uint32_t low = from < to ? from : to;
+    if (fill)
+        r->ends[r->start[low + 1]++] = (low == from ? to : from) << 1 | (from > to);
+    else
+        ++r->start[low + 2];
+}
+
+static void visit_triangles(const sph_animation *a, rows *r, bool fill)
+{
+    for (size_t t = 0; t < a->triangle_count; ++t) {
+        const uint32_t *v = a->triangles + 3 * t;
+        if (sph__names_vertex_twice(v, 3)) continue;
+        for (size_t k = 0; k < 3; ++k)
+            visit_edge(r, v[k], v[(k + 1) % 3], fill);
     }
 }
 
-static bool build_rows(const sph_animation *a, const uint32_t *simplices, size_t count, uint32_t corners, rows *r)
+static void visit_wires(const sph_animation *a, rows *r, bool fill)
+{
+    const uint32_t *from, *to;
+    for (size_t i = 0; i < a->edge_count + a->triangle_count; ++i)
+        if (wire_at(a, i, &from, &to)) visit_edge(r, *from, *to, fill);
+}
+
+static bool build_rows(const sph_animation *a, void (*visit)(const sph_animation *, rows *, bool), rows *r)
 {
     const size_t n = a->vertex_count;
     r->ends = NULL;
     r->start = sph__zalloc(a->context, n + 2, sizeof *r->start);
     if (r->start == NULL) return false;
-    visit_edges(simplices, count, corners, r, false);
+    visit(a, r, false);
     for (size_t i = 1; i < n + 2; ++i)
         r->start[i] += r->start[i - 1];
     r->ends = sph__alloc(a->context, r->start[n + 1], sizeof *r->ends);
     if (r->ends == NULL) return false;
-    visit_edges(simplices, count, corners, r, true); /* moves start[v + 1] from the row's begin to its end */
+    visit(a, r, true); /* moves start[v + 1] from the row's begin to its end */
     return true;
 }
 
@@ -161,8 +182,7 @@ static sph_status count_edges(const sph_animation *a, sph_animation_report *repo
 {
     rows triangles = {NULL, NULL}, wires = {NULL, NULL};
     uint32_t *uses = sph__zalloc(a->context, a->vertex_count, 2 * sizeof *uses);
-    const bool built = uses != NULL && build_rows(a, a->triangles, a->triangle_count, 3, &triangles) &&
-                       build_rows(a, a->edges, a->edge_count, 2, &wires);
+    const bool built = uses != NULL && build_rows(a, visit_triangles, &triangles) && build_rows(a, visit_wires, &wires);
     if (built)
         for (uint32_t low = 0; low < a->vertex_count; ++low)
             count_row(&triangles, &wires, low, uses, report, patches);

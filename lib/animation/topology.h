@@ -6,8 +6,7 @@
 #include "animation/animation.h"
 
 /*
- * Patches: the components that triangles join, without the additional edges, each named by its lowest vertex. What
- * triangles and edges that name a vertex twice join is not joined.
+ * Patches: the components that triangles join, without the wires, each named by its lowest vertex.
  */
 typedef struct sph__patches {
     uint32_t *of;    /* n entries: the patch of a vertex */

@@ -157,7 +157,7 @@ static sph_animation *spread(uint32_t n)
     return a;
 }
 
-START_TEST(simplices_that_repeat_a_vertex_are_left_out_of_connectivity)
+START_TEST(triangles_that_repeat_a_vertex_are_edges_or_nothing)
 {
     static const uint32_t triangles[] = {0, 1, 2, 3, 3, 4, 5, 6, 5, 7, 7, 7, 1, 8, 8};
     static const uint32_t edges[] = {0, 3, 9, 9, 5, 5};
@@ -173,9 +173,9 @@ START_TEST(simplices_that_repeat_a_vertex_are_left_out_of_connectivity)
     ck_assert_uint_eq(r.first_zero_area_triangle, 1);
     ck_assert_uint_eq(r.duplicate_triangle_count, 0);
     ck_assert_uint_eq(r.boundary_edge_count, 3);
-    ck_assert_uint_eq(r.wire_edge_count, 1);
-    ck_assert_uint_eq(r.component_count, 7); /* 0 1 2 3 and six single ones */
-    ck_assert_uint_eq(r.isolated_vertex_count, 6);
+    ck_assert_uint_eq(r.wire_edge_count, 4);       /* 34, 56, 18, 03 */
+    ck_assert_uint_eq(r.component_count, 4);       /* 0 1 2 3 4 8, 5 6, 7, 9 */
+    ck_assert_uint_eq(r.isolated_vertex_count, 2); /* 7, 9 */
 }
 END_TEST
 
@@ -335,11 +335,19 @@ static size_t runs(const sph_animation *an, uint32_t a, uint32_t b)
     return count;
 }
 
+static bool is_pair(uint32_t p, uint32_t q, uint32_t a, uint32_t b)
+{
+    return (p == a && q == b) || (p == b && q == a);
+}
+
+/* Among the additional edges, or as a triangle of no other vertices. */
 static bool has_wire(const sph_animation *an, uint32_t a, uint32_t b)
 {
-    const uint32_t *e = sph_animation_edges(an);
+    const uint32_t *e = sph_animation_edges(an), *t = sph_animation_triangles(an);
     for (size_t i = 0; i < sph_animation_edge_count(an); ++i)
-        if ((e[2 * i] == a && e[2 * i + 1] == b) || (e[2 * i] == b && e[2 * i + 1] == a)) return true;
+        if (is_pair(e[2 * i], e[2 * i + 1], a, b)) return true;
+    for (size_t i = 0; i < sph_animation_triangle_count(an); ++i, t += 3)
+        if (repeats(t, 3) && (is_pair(t[0], t[1], a, b) || is_pair(t[1], t[2], a, b))) return true;
     return false;
 }
 
@@ -660,7 +668,7 @@ int main(void)
     tcase_add_loop_test(tc, one_flipped_triangle_makes_three_inconsistent_edges, 0, 4);
     tcase_add_test(tc, a_grid_has_its_outline_for_a_boundary);
     tcase_add_test(tc, non_finite_positions_are_counted_and_the_first_is_named);
-    tcase_add_test(tc, simplices_that_repeat_a_vertex_are_left_out_of_connectivity);
+    tcase_add_test(tc, triangles_that_repeat_a_vertex_are_edges_or_nothing);
     tcase_add_test(tc, the_first_repeated_edge_comes_after_all_triangles);
     tcase_add_test(tc, duplicate_triangles_count_in_any_order_of_their_corners);
     tcase_add_test(tc, wire_edges_are_different_edges_of_no_triangle);
