@@ -113,7 +113,8 @@ START_TEST(each_of_many_threads_sees_its_own_messages)
         }
     }
     ck_assert_str_eq(sph_context_last_message(context), "");
-    ck_assert_uint_lt(faulty.live_blocks, SPEAKERS * 2); /* slots of dead threads are used again */
+    /* One slot per thread at most; fewer where the system gives new threads the ids of dead ones (sanitizers may not). */
+    ck_assert_uint_le(faulty.live_blocks, SPEAKERS * 3);
     sph_context_destroy(context);
     ck_assert(faulty.live_blocks == 0 && !faulty.misused);
 }
