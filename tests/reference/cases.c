@@ -303,7 +303,10 @@ static void move_point(enum case_motion motion, const float rest[3], uint32_t fr
 {
     const double angle = 2.0 * (frame + 1) / (frame_count + 1), co = cos(angle), si = sin(angle);
     if (motion == CASE_HALF) motion = 2 * frame < frame_count ? CASE_STRETCH : CASE_WAVE;
-    if (motion == CASE_WAVE) {
+    if (motion == CASE_TUMBLE) {
+        for (int k = 0; k < 3; ++k)
+            out[k] = (float)noise(state);
+    } else if (motion == CASE_WAVE) {
         test_wave(rest, frame, frame_count, out);
         for (int k = 0; k < 3; ++k)
             out[k] += (float)(tremble * noise(state));
@@ -336,6 +339,9 @@ void case_create(struct case_mesh *mesh, enum case_shape shape, enum case_motion
     if (motion == CASE_STRETCH || motion == CASE_HALF)
         for (size_t i = 0; i < 3 * (size_t)mesh->vertex_count; ++i)
             mesh->rest[i] += (float)(tremble * noise(&state));
+    if (motion == CASE_RIGID) /* uneven, but planes across an axis stay planes */
+        for (size_t i = 0; i < 3 * (size_t)mesh->vertex_count; ++i)
+            mesh->rest[i] += (float)(0.15 * sin(1.7 * mesh->rest[i] + (double)(i % 3)));
     for (uint32_t f = 0; f < frame_count; ++f)
         for (uint32_t i = 0; i < mesh->vertex_count; ++i)
             move_point(motion, mesh->rest + 3 * (size_t)i, f, frame_count, tremble, &state,

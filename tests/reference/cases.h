@@ -45,7 +45,8 @@ enum case_motion {
     CASE_WAVE,    /* bends, and every vertex trembles in every frame */
     CASE_RIGID,   /* turns and shifts as a whole; flat stays flat but for rounding */
     CASE_STRETCH, /* jittered at rest, then scaled and sheared anew per frame */
-    CASE_HALF,    /* at rest up to the middle, then as the wave */
+    CASE_HALF,    /* as the last up to the middle, then as the wave */
+    CASE_TUMBLE,  /* every vertex anywhere in every frame */
     CASE_MOTION_COUNT
 };
 

@@ -118,14 +118,24 @@ static real length(const real a[3])
     return sqrtl(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
-/* sum_f sqrt(area area') n.n' of a triangle whose corner at u or v moves to `sphere`; `scale`: the same with n.n' = 1.
- */
+static real longest_side(double (*const corners[3])[3], uint32_t frame)
+{
+    real longest = 0;
+    for (int i = 0; i < 3; ++i) {
+        const double *a = corners[i][frame], *b = corners[(i + 1) % 3][frame];
+        const real d[3] = {(real)b[0] - a[0], (real)b[1] - a[1], (real)b[2] - a[2]};
+        longest = fmaxl(longest, length(d));
+    }
+    return longest;
+}
+
+/* sum_f sqrt(area area') n.n' of a triangle whose corner at u or v moves to `sphere`, over the sum of longest sides
+ * before and after, multiplied. */
 static real turn_of(const struct reference *reference, const uint32_t *triangle, uint32_t u, uint32_t v,
-                    const struct reference_sphere *sphere, real *scale)
+                    const struct reference_sphere *sphere)
 {
     double(*before[3])[3], (*after[3])[3];
-    real sum = 0;
-    *scale = 0;
+    real sum = 0, scale = 0;
     for (int i = 0; i < 3; ++i) {
         before[i] = reference->nodes[triangle[i]].sphere.centers;
         after[i] = triangle[i] == u || triangle[i] == v ? sphere->centers : before[i];
@@ -134,13 +144,11 @@ static real turn_of(const struct reference *reference, const uint32_t *triangle,
         real a[3], b[3];
         cross_of(before, f, a);
         cross_of(after, f, b);
-        if (length(a) > 0 && length(b) > 0) {
-            const real root = sqrtl(length(a) * length(b));
-            sum += (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / root / 2;
-            *scale += root / 2;
-        }
+        if (length(a) > 0 && length(b) > 0)
+            sum += (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / sqrtl(length(a) * length(b)) / 2;
+        scale += longest_side(before, f) * longest_side(after, f);
     }
-    return sum;
+    return scale > 0 ? sum / scale : 0;
 }
 
 static int corners_at(const uint32_t *triangle, uint32_t u, uint32_t v)
@@ -151,16 +159,13 @@ static int corners_at(const uint32_t *triangle, uint32_t u, uint32_t v)
     return count;
 }
 
-double reference_least_turn(const struct reference *reference, uint32_t u, uint32_t v)
+double reference_least_turn(const struct reference *reference, uint32_t u, uint32_t v,
+                            const struct reference_sphere *sphere)
 {
-    const struct reference_edge *edge = find_edge(reference, u, v);
     real least = 1;
     for (size_t t = 0; t < reference->triangle_count; ++t) {
-        real scale, turn;
-        if (corners_at(reference->triangles[t], u, v) != 1) continue;
-        turn = turn_of(reference, reference->triangles[t], u, v, &edge->sphere, &scale);
-        if (scale > 0) turn /= scale;
-        if (turn < least) least = turn;
+        if (corners_at(reference->triangles[t], u, v) == 1)
+            least = fminl(least, turn_of(reference, reference->triangles[t], u, v, sphere));
     }
     return (double)least;
 }
@@ -186,7 +191,7 @@ const struct reference_edge *reference_next(struct reference *reference, bool *f
     struct reference_edge *edge;
     *forced = false;
     while ((edge = cheapest(reference, false)) != NULL) {
-        if (reference_least_turn(reference, edge->u, edge->v) >= 0) return edge;
+        if (reference_least_turn(reference, edge->u, edge->v, &edge->sphere) >= 0) return edge;
         edge->refused = true;
     }
     edge = cheapest(reference, true);
@@ -240,10 +245,10 @@ void reference_collapse(struct reference *reference, uint32_t u, uint32_t v, boo
     bool *is_neighbour = reference_allocate(reference->node_count, sizeof *is_neighbour);
 
     region_unite(w, &reference->nodes[edge->u], &reference->nodes[edge->v], input);
-    w->cost = edge->cost;
     reference_sphere_copy(&w->sphere, sphere ? sphere : &edge->sphere, input->frame_count);
-    *collapse =
-        (struct reference_collapse){.u = edge->u, .v = edge->v, .node = node, .forced = forced, .cost = edge->cost};
+    w->cost = region_cost(w, input->frame_count, &w->sphere);
+    *collapse = (struct reference_collapse){
+        .u = edge->u, .v = edge->v, .node = node, .forced = forced, .cost = (double)w->cost};
     reference_sphere_create(&collapse->sphere, input->frame_count);
     reference_sphere_copy(&collapse->sphere, &w->sphere, input->frame_count);
     reference->nodes[u].alive = reference->nodes[v].alive = false;
@@ -333,6 +338,14 @@ double reference_weight(const struct reference *reference, uint32_t u, uint32_t 
     for (uint32_t f = 0; f < reference->input->frame_count; ++f)
         weight += reference->nodes[u].frames[f].quadric.W + reference->nodes[v].frames[f].quadric.W;
     return (double)weight;
+}
+
+double reference_coherence_weight(const struct reference *reference, uint32_t u, uint32_t v)
+{
+    real area = 0;
+    for (uint32_t f = 0; f < reference->input->frame_count; ++f)
+        area += reference->nodes[u].frames[f].area + reference->nodes[v].frames[f].area;
+    return 2 * reference->input->temporal_coherence * (double)area;
 }
 
 double reference_extent(const struct reference *reference, uint32_t u, uint32_t v)

@@ -36,7 +36,7 @@ struct reference_sphere {
 struct reference_collapse {
     uint32_t u, v, node; /* u < v */
     bool forced;
-    double cost, error;
+    double cost, error; /* the region's own quadric, without temporal coherence */
     struct reference_sphere sphere;
 };
 
@@ -54,9 +54,9 @@ void reference_result_free(struct reference_result *result);
 
 /* An edge between two nodes that are alive, evaluated. */
 struct reference_edge {
-    uint32_t u, v; /* u < v */
-    bool refused;  /* left the queue because it inverts; waits for its surroundings to change */
-    double cost;
+    uint32_t u, v;            /* u < v */
+    bool refused;             /* left the queue because it inverts; waits for its surroundings to change */
+    double cost;              /* that decides: with temporal coherence */
     size_t degenerate_frames; /* in which the centre was on the segment from u to v */
     struct reference_sphere sphere;
 };
@@ -76,22 +76,25 @@ void reference_collapse(struct reference *reference, uint32_t u, uint32_t v, boo
                         const struct reference_sphere *sphere, struct reference_collapse *collapse);
 void reference_collapse_free(struct reference_collapse *collapse);
 
+/* Cost of any sphere for the region that an edge would make, the temporal coherence term included. */
+double reference_cost(const struct reference *reference, uint32_t u, uint32_t v, const struct reference_sphere *sphere);
 /*
- * The least s = sum_f sqrt(area area') n.n' over the triangles that the collapse of an edge would move, relative to the
- * same sum with 1 for n.n'; 1 where there is none. Below zero: refused.
+ * The least s = sum_f sqrt(area area') n.n' over the triangles that the collapse of an edge into a sphere would move,
+ * relative to the squares of their longest sides; 1 where there is none. Below zero: refused.
  */
-double reference_least_turn(const struct reference *reference, uint32_t u, uint32_t v);
+double reference_least_turn(const struct reference *reference, uint32_t u, uint32_t v,
+                            const struct reference_sphere *sphere);
 
 /* ---- what a test may ask about the edge (u, v) of nodes that are alive ---- */
 
-/* Cost of any sphere for the united region, the temporal coherence term included. */
-double reference_cost(const struct reference *reference, uint32_t u, uint32_t v, const struct reference_sphere *sphere);
 /* Upper bound of the radius in a frame (the same for all unless radii are per frame). */
 double reference_radius_bound(const struct reference *reference, uint32_t u, uint32_t v, uint32_t frame);
 /* Whether the planes of the united region leave its centre in this frame undetermined. */
 bool reference_is_degenerate(const struct reference *reference, uint32_t u, uint32_t v, uint32_t frame);
 /* Sum of W of the united region over all frames. */
 double reference_weight(const struct reference *reference, uint32_t u, uint32_t v);
+/* The same of 2 delta times area, the weight of temporal coherence. */
+double reference_coherence_weight(const struct reference *reference, uint32_t u, uint32_t v);
 /* Largest extent of the united region over all frames and directions. */
 double reference_extent(const struct reference *reference, uint32_t u, uint32_t v);
 /* Current sphere of a node that is alive. */

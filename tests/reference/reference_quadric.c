@@ -101,7 +101,7 @@ static void solve(real M[3][3], const real y[3], real x[3])
 struct plane_problem {
     real mu, nu, W, beta1, beta3;
     real radius_max;
-    bool has_segment, mu_is_zero, W_is_zero, is_singular;
+    bool mu_is_zero, W_is_zero, is_singular;
 };
 
 static void reduce(const struct reference_quadric *quadrics, size_t count, real (*u)[3], real (*v)[3],
@@ -117,7 +117,6 @@ static void reduce(const struct reference_quadric *quadrics, size_t count, real 
             const real d[3] = {v[f][0] - u[f][0], v[f][1] - u[f][1], v[f][2] - u[f][2]};
             real Md[3];
             multiply(q.M, d, Md);
-            p->has_segment = true;
             p->mu += dot(d, Md);
             p->nu += dot(q.N, d);
             p->beta1 += dot(q.b, d) - dot(Md, u[f]);
@@ -155,34 +154,18 @@ static void keep_if_cheaper(const struct plane_problem *p, real lambda, real r, 
 static void minimise_on_border(const struct plane_problem *p, real out[2])
 {
     real best = HUGE_VALL;
-    for (int side = 0; side < 2; ++side) {
-        const real lambda = side;
-        if (!p->W_is_zero) {
-            keep_if_cheaper(p, lambda, clamp((p->beta3 - lambda * p->nu) / p->W, 0, p->radius_max), &best, out);
-        } else {
-            keep_if_cheaper(p, lambda, 0, &best, out);
-            keep_if_cheaper(p, lambda, p->radius_max, &best, out);
-        }
-    }
+    for (int side = 0; side < 2; ++side)
+        keep_if_cheaper(p, side, clamp((p->beta3 - side * p->nu) / p->W, 0, p->radius_max), &best, out);
     for (int side = 0; side < 2; ++side) {
         const real r = side ? p->radius_max : 0;
-        if (!p->mu_is_zero) {
-            keep_if_cheaper(p, clamp((p->beta1 - p->nu * r) / p->mu, 0, 1), r, &best, out);
-        } else {
-            keep_if_cheaper(p, 0, r, &best, out);
-            keep_if_cheaper(p, 1, r, &best, out);
-        }
+        keep_if_cheaper(p, clamp((p->beta1 - p->nu * r) / p->mu, 0, 1), r, &best, out);
     }
 }
 
 /* Where the solutions of the singular system form a line that meets the box: its point of smallest r. */
 static bool minimise_on_line(const struct plane_problem *p, real out[2])
 {
-    if (p->mu_is_zero) { /* the line r = beta3 / W; every lambda is as good, so take the middle as where nothing is
-                            known */
-        out[0] = 0.5L;
-        out[1] = p->beta3 / p->W;
-    } else if (p->W_is_zero || p->nu == 0) { /* the line lambda = beta1 / mu */
+    if (p->nu == 0) { /* lambda = beta1 / mu */
         out[0] = p->beta1 / p->mu;
         out[1] = 0;
     } else { /* mu lambda + nu r = beta1 */
@@ -195,15 +178,13 @@ static bool minimise_on_line(const struct plane_problem *p, real out[2])
     return out[0] >= 0 && out[0] <= 1 && out[1] >= 0 && out[1] <= p->radius_max;
 }
 
+/* As |nu| is at most sqrt(mu W), it vanishes with either. Where lambda makes no difference it is 1/2, where r does, 0.
+ */
 static void minimise_on_box(const struct plane_problem *p, real out[2])
 {
-    out[0] = out[1] = 0;
-    if (!p->has_segment) {
-        if (!p->W_is_zero) out[1] = clamp(p->beta3 / p->W, 0, p->radius_max);
-        return;
-    }
-    if (p->mu_is_zero && p->W_is_zero) {
-        out[0] = 0.5L;
+    if (p->mu_is_zero || p->W_is_zero) {
+        out[0] = p->mu_is_zero ? 0.5L : clamp(p->beta1 / p->mu, 0, 1);
+        out[1] = p->W_is_zero ? 0 : clamp(p->beta3 / p->W, 0, p->radius_max);
         return;
     }
     if (p->is_singular) {

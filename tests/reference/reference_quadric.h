@@ -13,7 +13,7 @@
 typedef long double reference_real;
 
 /* A frame whose matrix has no more than this times (trace / 3)^3 for its determinant counts as degenerate. */
-#define REFERENCE_SINGULAR 1e-9L
+#define REFERENCE_SINGULAR 1e-6L
 /* Coefficients of the problem in (lambda, r) no larger than this, relative to what they are made of, count as zero. */
 #define REFERENCE_ZERO 1e-12L
 

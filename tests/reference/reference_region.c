@@ -221,3 +221,15 @@ real region_fit(const struct region *region, const struct reference_input *input
     free(quadrics);
     return cost;
 }
+
+real region_cost(const struct region *region, uint32_t frame_count, const struct reference_sphere *sphere)
+{
+    real cost = 0;
+    for (uint32_t f = 0; f < frame_count; ++f) {
+        real center[3];
+        for (int i = 0; i < 3; ++i)
+            center[i] = sphere->centers[f][i] - region->frames[f].anchor[i];
+        cost += reference_quadric_evaluate(&region->frames[f].quadric, center, sphere->radii[f]);
+    }
+    return cost > 0 ? cost : 0;
+}

@@ -38,6 +38,9 @@ reference_real region_fit(const struct region *region, const struct reference_in
                           const struct reference_sphere *u, const struct reference_sphere *v,
                           struct reference_sphere *sphere, size_t *degenerate_frames);
 
+/* The region's own quadric, without temporal coherence, at a sphere. */
+reference_real region_cost(const struct region *region, uint32_t frame_count, const struct reference_sphere *sphere);
+
 void reference_sphere_create(struct reference_sphere *sphere, uint32_t frame_count);
 void reference_sphere_copy(struct reference_sphere *to, const struct reference_sphere *from, uint32_t frame_count);
 void reference_sphere_free(struct reference_sphere *sphere);

@@ -240,7 +240,8 @@ START_TEST(hierarchy_keeps_its_rules)
     while ((edge = reference_next(reference, &forced)) != NULL) {
         struct reference_collapse collapse;
         ck_assert(edge->u < edge->v && !dead[edge->u] && !dead[edge->v]);
-        ck_assert(forced == (reference_least_turn(reference, edge->u, edge->v) < 0) && edge->refused == forced);
+        ck_assert(forced == (reference_least_turn(reference, edge->u, edge->v, &edge->sphere) < 0) &&
+                  edge->refused == forced);
         for (uint32_t f = 0; f < input.frame_count; ++f) {
             ck_assert(edge->sphere.radii[f] >= 0);
             ck_assert(mode != REFERENCE_RADIUS_ZERO || edge->sphere.radii[f] == 0);
