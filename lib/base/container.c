@@ -61,21 +61,29 @@ static sph_status write_bytes(writer *w, const void *bytes, size_t size)
     return SPH_OK;
 }
 
-static sph_status write_chunk(writer *w, const sph__chunk *chunk)
+static sph_status write_row(writer *w, const unsigned char *data, size_t left, uint32_t size)
 {
-    const unsigned char *data = chunk->data;
-    size_t left = chunk->count * chunk->size;
-    if (little_endian() || chunk->size == 1) return write_bytes(w, data, left);
+    if (little_endian() || size == 1) return write_bytes(w, data, left);
     while (left != 0) {
         unsigned char swapped[SWAP_SIZE];
         const size_t part = left < SWAP_SIZE ? left : SWAP_SIZE;
         sph_status status;
-        swap_numbers(swapped, data, part, chunk->size);
+        swap_numbers(swapped, data, part, size);
         if ((status = write_bytes(w, swapped, part)) != SPH_OK) return status;
         data += part;
         left -= part;
     }
     return SPH_OK;
+}
+
+static sph_status write_chunk(writer *w, const sph__chunk *chunk)
+{
+    const unsigned char *data = chunk->data;
+    sph_status status = SPH_OK;
+    if (chunk->row == chunk->stride) return write_row(w, data, chunk->count * chunk->size, chunk->size);
+    for (size_t i = 0; i < chunk->count && status == SPH_OK; i += chunk->row, data += chunk->stride * chunk->size)
+        status = write_row(w, data, chunk->row * chunk->size, chunk->size);
+    return status;
 }
 
 /* Header and table; false where the container would be larger than can be addressed. */
@@ -240,9 +248,19 @@ sph_status sph__container_count(const sph__container *container, uint32_t tag, u
     return SPH_OK;
 }
 
-sph_status sph__container_copy(const sph__container *container, uint32_t tag, uint32_t size, size_t count, void *to)
+static void copy_numbers(unsigned char *to, const unsigned char *from, size_t bytes, uint32_t size)
+{
+    if (!little_endian())
+        swap_numbers(to, from, bytes, size);
+    else if (bytes != 0)
+        memcpy(to, from, bytes);
+}
+
+sph_status sph__container_copy_rows(const sph__container *container, uint32_t tag, uint32_t size, size_t count,
+                                    size_t row, size_t stride, void *to)
 {
     const unsigned char *entry = find(container, tag), *from;
+    unsigned char *place = to;
     size_t found;
     const sph_status status = sph__container_count(container, tag, size, &found);
     if (status != SPH_OK) return status;
@@ -250,9 +268,17 @@ sph_status sph__container_copy(const sph__container *container, uint32_t tag, ui
         return sph__fail(container->context, SPH_E_FORMAT, "byte %zu: chunk %.4s holds %zu numbers, not %zu",
                          (size_t)(entry - container->bytes) + 16, (const char *)entry, found, count);
     from = container->bytes + get(entry + 8, 8);
-    if (little_endian() && count != 0) memcpy(to, from, count * size);
-    if (!little_endian()) swap_numbers(to, from, count * size, size);
+    if (stride == row) row = stride = count;
+    for (size_t i = 0; i < count; i += row, from += row * size, place += stride * size) {
+        copy_numbers(place, from, row * size, size);
+        if (stride != row) memset(place + row * size, 0, (stride - row) * size);
+    }
     return SPH_OK;
+}
+
+sph_status sph__container_copy(const sph__container *container, uint32_t tag, uint32_t size, size_t count, void *to)
+{
+    return sph__container_copy_rows(container, tag, size, count, count, count, to);
 }
 
 size_t sph__container_byte(const sph__container *container, uint32_t tag, uint32_t size, size_t index)

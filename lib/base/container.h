@@ -27,6 +27,7 @@ typedef struct sph__chunk {
     uint32_t size;
     const void *data;
     size_t count;
+    size_t row, stride; /* in rows of `row` numbers, `stride` numbers apart; equal: tight */
 } sph__chunk;
 
 sph_status sph__container_write(const sph_context *context, uint32_t kind, const sph__chunk *chunks, size_t chunk_count,
@@ -47,6 +48,9 @@ sph_status sph__container_open(sph_context *context, const void *bytes, size_t s
 sph_status sph__container_count(const sph__container *container, uint32_t tag, uint32_t size, size_t *count);
 /* Copies a chunk of exactly `count` numbers of `size` bytes out. */
 sph_status sph__container_copy(const sph__container *container, uint32_t tag, uint32_t size, size_t count, void *to);
+/* The same into rows of `row` numbers, `stride` numbers apart; what is between them becomes 0. */
+sph_status sph__container_copy_rows(const sph__container *container, uint32_t tag, uint32_t size, size_t count,
+                                    size_t row, size_t stride, void *to);
 /* The byte where number `index` of a chunk stands, for messages; 0 where there is no such chunk. */
 size_t sph__container_byte(const sph__container *container, uint32_t tag, uint32_t size, size_t index);
 

@@ -66,6 +66,27 @@ sph_status sph_io_identify(sph_context *context, const char *path, int32_t *kind
     return status;
 }
 
+sph_status sph_io_save_hierarchy(sph_context *context, const sph_hierarchy *hierarchy, const char *path)
+{
+    sph__io_output output;
+    sph_status status = check_arguments(context, hierarchy, path, "sph_io_save_hierarchy");
+    if (status == SPH_OK) status = sph__io_output_open(context, path, &output);
+    if (status != SPH_OK) return status;
+    return close_output(&output, sph_hierarchy_write(hierarchy, write_bytes, &output));
+}
+
+sph_status sph_io_load_hierarchy(sph_context *context, const char *path, sph_hierarchy **out)
+{
+    sph__io_map map;
+    sph_status status = check_arguments(context, out, path, "sph_io_load_hierarchy");
+    if (out != NULL) *out = NULL;
+    if (status == SPH_OK) status = sph__io_map_open(context, path, &map);
+    if (status != SPH_OK) return status;
+    status = name_file(context, path, sph_hierarchy_read(context, map.bytes, map.size, out));
+    sph__io_map_close(&map);
+    return status;
+}
+
 /* Frame 0: centres as vertices, with their radii as comments; triangles as faces, wire edges as lines. */
 static void write_obj(sph__io_output *o, const sph_level_arrays *a)
 {

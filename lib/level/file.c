@@ -26,12 +26,12 @@ sph_status sph_level_write(const sph_level *level, sph_write_fn *write, void *us
     {
         const uint64_t meta[META_COUNT] = {level->sphere_count, level->frame_count,    level->radii_per_frame,
                                            level->edge_count,   level->triangle_count, level->label_count};
-        const sph__chunk chunks[] = {{META, 8, meta, META_COUNT},
-                                     {CENTERS, 4, level->centers, center_count(level)},
-                                     {RADII, 4, level->radii, radius_count(level)},
-                                     {EDGES, 4, level->edges, 2 * level->edge_count},
-                                     {TRIANGLES, 4, level->triangles, 3 * level->triangle_count},
-                                     {LABELS, 4, level->labels, level->label_count}};
+        const sph__chunk chunks[] = {{META, 8, meta, META_COUNT, 0, 0},
+                                     {CENTERS, 4, level->centers, center_count(level), 0, 0},
+                                     {RADII, 4, level->radii, radius_count(level), 0, 0},
+                                     {EDGES, 4, level->edges, 2 * level->edge_count, 0, 0},
+                                     {TRIANGLES, 4, level->triangles, 3 * level->triangle_count, 0, 0},
+                                     {LABELS, 4, level->labels, level->label_count, 0, 0}};
         return sph__container_write(level->context, SPH__CONTAINER_LEVEL, chunks, sizeof chunks / sizeof *chunks, write,
                                     user);
     }

@@ -85,7 +85,7 @@ static const double REALS[2] = {1, -0.5};
 
 static void write_sample(void)
 {
-    const sph__chunk chunks[] = {{A, 4, NUMBERS, 3}, {B, 8, REALS, 2}, {C, 1, NULL, 0}};
+    const sph__chunk chunks[] = {{A, 4, NUMBERS, 3, 0, 0}, {B, 8, REALS, 2, 0, 0}, {C, 1, NULL, 0, 0, 0}};
     ck_assert_int_eq(sph__container_write(context, SPH__CONTAINER_LEVEL, chunks, 3, keep, written), SPH_OK);
 }
 
@@ -278,7 +278,7 @@ static sph_status stop(void *user, const void *bytes, size_t size)
 
 START_TEST(what_the_writer_answers_is_handed_on)
 {
-    const sph__chunk chunks[] = {{A, 4, NUMBERS, 3}, {B, 8, REALS, 2}};
+    const sph__chunk chunks[] = {{A, 4, NUMBERS, 3, 0, 0}, {B, 8, REALS, 2, 0, 0}};
     for (size_t calls = 0;; ++calls) {
         size_t left = calls;
         const sph_status status = sph__container_write(context, SPH__CONTAINER_LEVEL, chunks, 2, stop, &left);
