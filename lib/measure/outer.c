@@ -8,8 +8,8 @@ enum {
     LEAST_POINTS = 2000,  /* fewer would not show what is connected */
     PILOT_POINTS = 1000,  /* tell which share of all patches is not covered */
     MOST_CANDIDATES = 40, /* times the points wanted */
-    STARTS = 24,
-    MOST_DESCENTS = 5,
+    STARTS = 128,
+    MOST_DESCENTS = 16,
     MOST_NEAR = 256
 };
 
@@ -124,7 +124,7 @@ static bool same_direction(const double x[3], const double a[3], const double b[
     double u[3], v[3];
     sph__subtract(a, x, u);
     sph__subtract(b, x, v);
-    return sph__dot(u, v) > 0.9 * sph__norm(u) * sph__norm(v);
+    return sph__dot(u, v) > 0.97 * sph__norm(u) * sph__norm(v);
 }
 
 /* Descends from the points around; the best distance known is `best`, none can be below `least`. */
@@ -138,7 +138,7 @@ static double search(const sph__outer *outer, const double x[3], double least)
     for (uint32_t i = 0; i < count && used_count < MOST_DESCENTS && best > enough; ++i) {
         double p[3], slack = 1.5 * outer->spacing, distance;
         bool fresh = true;
-        if (best < DBL_MAX && near[i].distance2 > best * best + slack * slack) break;
+        if (best < DBL_MAX && sqrt(near[i].distance2) > best + slack) break;
         sph__copy3(outer->points[near[i].point].position, p);
         for (uint32_t k = 0; k < used_count && fresh; ++k)
             fresh = !same_direction(x, p, outer->points[used[k]].position);
