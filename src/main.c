@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT */
+/* The sphmesh program: finds the command and hands over. */
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <sphmesh/version.h>
+
+#include "program.h"
+
+static const subcommand *const COMMANDS[] = {&build_command, &info_command, &level_command, &measure_command,
+                                             &demo_command};
+enum { COMMAND_COUNT = sizeof COMMANDS / sizeof COMMANDS[0], WORD_MAX = 40 };
+
+int usage_error(const char *name, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fprintf(stderr, "sphmesh%s%s: ", name == NULL ? "" : " ", name == NULL ? "" : name);
+    vfprintf(stderr, format, arguments);
+    fprintf(stderr, "\nTry 'sphmesh%s%s --help'.\n", name == NULL ? "" : " ", name == NULL ? "" : name);
+    va_end(arguments);
+    return USAGE;
+}
+
+int failure(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fputs("sphmesh: ", stderr);
+    vfprintf(stderr, format, arguments);
+    putc('\n', stderr);
+    va_end(arguments);
+    return FAILED;
+}
+
+/* Letters to insert, drop or replace to get from one word to the other (Levenshtein). */
+static size_t edit_distance(const char *a, const char *b)
+{
+    size_t row[WORD_MAX + 1];
+    const size_t m = strlen(a), n = strlen(b);
+    if (m > WORD_MAX || n > WORD_MAX) return WORD_MAX;
+    for (size_t j = 0; j <= n; ++j)
+        row[j] = j;
+    for (size_t i = 1; i <= m; ++i) {
+        size_t diagonal = row[0];
+        row[0] = i;
+        for (size_t j = 1; j <= n; ++j) {
+            const size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+            const size_t other = (row[j] < row[j - 1] ? row[j] : row[j - 1]) + 1;
+            diagonal = row[j];
+            row[j] = replaced < other ? replaced : other;
+        }
+    }
+    return row[n];
+}
+
+const char *closest_name(const char *word, const char *const *names, size_t count)
+{
+    const size_t length = strlen(word);
+    size_t least = length < 4 ? 2 : length < 7 ? 3 : 4; /* this far is no likeness */
+    const char *best = NULL;
+    for (size_t i = 0; i < count; ++i) {
+        const bool begins = length >= 3 && strncmp(word, names[i], length) == 0;
+        const size_t distance = begins ? 1 : edit_distance(word, names[i]);
+        if (distance >= least) continue;
+        least = distance;
+        best = names[i];
+    }
+    return best;
+}
+
+static void print_help(void)
+{
+    puts("sphmesh turns an animated mesh into a hierarchy of animated sphere-meshes.\n\n"
+         "usage: sphmesh COMMAND [OPTION]... [FILE]...\n\ncommands:");
+    for (size_t i = 0; i < COMMAND_COUNT; ++i)
+        printf("  %-9s %s\n", COMMANDS[i]->name, COMMANDS[i]->summary);
+    puts("\n"
+         "examples:\n"
+         "  sphmesh demo -o demo                              try everything, without a file\n"
+         "  sphmesh info horse.obj --cache horse.pc2          is the input sound?\n"
+         "  sphmesh build horse.obj --cache horse.pc2 -o horse.sphm\n"
+         "  sphmesh build 'frames/s*.obj' -o s.sphm           one mesh per frame\n"
+         "  sphmesh level horse.sphm --spheres 40 -o horse-40.json\n"
+         "  sphmesh measure horse.obj --cache horse.pc2 --level horse-40.json\n\n"
+         "All commands take --json (figures on stdout), --progress HOW (auto, bar, plain,\n"
+         "json or none, on stderr), --quiet, --threads N and --help.\n"
+         "Exit codes: 0 done, 1 failed or cancelled, 2 wrong usage.\n"
+         "'sphmesh help COMMAND' tells more; so does the manual page, sphmesh(1).");
+}
+
+static const subcommand *find_command(const char *name)
+{
+    for (size_t i = 0; i < COMMAND_COUNT; ++i)
+        if (strcmp(COMMANDS[i]->name, name) == 0) return COMMANDS[i];
+    return NULL;
+}
+
+static int unknown_command(const char *name)
+{
+    const char *names[COMMAND_COUNT + 1], *close;
+    for (size_t i = 0; i < COMMAND_COUNT; ++i)
+        names[i] = COMMANDS[i]->name;
+    names[COMMAND_COUNT] = "help";
+    if (name[0] == '-') return usage_error(NULL, "unknown option '%s' (options of a command go after it)", name);
+    close = closest_name(name, names, COMMAND_COUNT + 1);
+    if (close == NULL) return usage_error(NULL, "unknown command '%s'", name);
+    return usage_error(NULL, "unknown command '%s' (did you mean '%s'?)", name, close);
+}
+
+static int run(int argc, char **argv)
+{
+    const subcommand *c;
+    const char *word = argc > 1 ? argv[1] : "";
+    if (argc < 2) return usage_error(NULL, "no command; there are build, info, level, measure, demo and help");
+    if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
+        const unsigned v = sph_version();
+        printf("sphmesh %u.%u.%u\n", v / 1000000, v / 1000 % 1000, v % 1000);
+        return DONE;
+    }
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || (strcmp(word, "help") == 0 && argc == 2)) {
+        print_help();
+        return DONE;
+    }
+    if (strcmp(word, "help") == 0) word = argv[2];
+    c = find_command(word);
+    if (c == NULL) return unknown_command(word);
+    if (word == argv[1]) return c->run(argc - 1, argv + 1);
+    fputs(c->help, stdout);
+    return DONE;
+}
+
+int main(int argc, char **argv)
+{
+    const int result = run(argc, argv);
+    if ((fflush(stdout) != 0 || ferror(stdout)) && result == DONE) return failure("cannot write to standard output");
+    return result;
+}

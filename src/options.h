@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+/* Command lines: a table of options goes in, filled variables come out. */
+#ifndef OPTIONS_H
+#define OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum option_kind {
+    OPTION_END,    /* ends a table */
+    OPTION_FLAG,   /* bool: no value */
+    OPTION_TEXT,   /* const char * */
+    OPTION_COUNT,  /* uint32_t from `least` to `most` */
+    OPTION_NUMBER, /* double from `least` to `most` */
+    OPTION_CHOICE, /* int: index into `choices` */
+    OPTION_FRAMES  /* frame_range */
+} option_kind;
+
+/* A:B:STEP: frames A, A + STEP, ... below B. */
+typedef struct frame_range {
+    bool given;
+    uint32_t first, end, step; /* end 0: to the last */
+} frame_range;
+
+typedef struct option {
+    const char *name; /* without the dashes */
+    char letter;      /* 0: none */
+    option_kind kind;
+    void *target;
+    double least, most;
+    const char *const *choices; /* ends with NULL */
+} option;
+
+/* What is no option. */
+typedef struct arguments {
+    const char **items; /* free() */
+    size_t count;
+} arguments;
+
+/* Options that every command takes. */
+typedef struct common_options {
+    bool help, json, quiet;
+    int progress; /* one of PROGRESS_* */
+    uint32_t threads;
+} common_options;
+
+enum { PROGRESS_AUTO, PROGRESS_BAR, PROGRESS_PLAIN, PROGRESS_JSON, PROGRESS_NONE };
+extern const char *const progress_choices[];
+
+#define COMMON_OPTIONS(common)                                                                                         \
+    {"help", 'h', OPTION_FLAG, &(common).help, 0, 0, NULL}, {"json", 0, OPTION_FLAG, &(common).json, 0, 0, NULL},      \
+        {"quiet", 'q', OPTION_FLAG, &(common).quiet, 0, 0, NULL},                                                      \
+        {"progress", 0, OPTION_CHOICE, &(common).progress, 0, 0, progress_choices},                                    \
+        {"threads", 0, OPTION_COUNT, &(common).threads, 0, 256, NULL},                                                 \
+    {                                                                                                                  \
+        NULL, 0, OPTION_END, NULL, 0, 0, NULL                                                                          \
+    }
+
+/*
+ * Reads argv[1] and on; options and arguments may be mixed, "--" ends the options. Returns DONE, or USAGE after it has
+ * said which option is wrong. Stops at --help, which is an option of the table like the others.
+ */
+int options_parse(const char *command, const option *table, int argc, char **argv, arguments *rest);
+
+#endif

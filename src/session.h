@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: MIT */
+/* One run of a command: the library's context, what it says while it works, and how a failure is told. */
+#ifndef SESSION_H
+#define SESSION_H
+
+#include <sphmesh/io.h>
+
+#include "options.h"
+#include "progress.h"
+
+typedef struct session {
+    sph_context *context;
+    progress progress;
+    bool quiet, json;
+} session;
+
+/* DONE, or FAILED after it has said why. */
+int session_open(session *s, const common_options *common);
+void session_close(session *s);
+/* Tells of a library call that failed (or that Ctrl-C stopped); `subject` is a file or NULL. Returns FAILED. */
+int session_fail(session *s, sph_status status, const char *subject);
+
+/* How to read the input of a command. */
+typedef struct input_options {
+    const char *cache;
+    frame_range frames;
+    int up;
+    double scale;
+} input_options;
+
+extern const char *const up_choices[];
+
+#define INPUT_OPTIONS(input)                                                                                           \
+    {"cache", 0, OPTION_TEXT, &(input).cache, 0, 0, NULL}, {"frames", 0, OPTION_FRAMES, &(input).frames, 0, 0, NULL},  \
+        {"up", 0, OPTION_CHOICE, &(input).up, 0, 0, up_choices},                                                       \
+    {                                                                                                                  \
+        "scale", 0, OPTION_NUMBER, &(input).scale, -1e30, 1e30, NULL                                                   \
+    }
+#define INPUT_DEFAULTS                                                                                                 \
+    {                                                                                                                  \
+        .frames = {.step = 1}, .scale = 1                                                                              \
+    }
+
+/* What can be wrong with it before any file is opened: DONE or USAGE. */
+int input_check(const char *command, const input_options *input, const arguments *paths);
+/* Opens the frames in `frames` of the input; NULL: all. */
+sph_status input_open(session *s, const input_options *input, const arguments *paths, const frame_range *frames,
+                      sph_animation **out);
+/* True where the name ends like this, in either case. */
+bool name_ends(const char *name, const char *ending);
+/* DONE, or USAGE where no level can be written under such a name. */
+int output_check_level(const char *command, const char *path);
+/* Bytes of a file, 0 where there is none; and the most memory that the program has had. */
+uint64_t file_size(const char *path);
+uint64_t peak_memory(void);
+
+#endif
