@@ -1,0 +1,225 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""demo, build, level, measure and info on the creature: what they write and say fits together."""
+import itertools
+import json
+import os
+import shutil
+import tempfile
+
+from support import Case, main
+
+FRAMES = 6
+DEMO = ["--frame-count", FRAMES, "--resolution", 32, "--samples", 300]
+INPUT = ["creature.obj", "--cache", "creature.pc2"]
+
+
+def setUpModule():
+    global FOLDER, SUMMARY
+    FOLDER = tempfile.mkdtemp()
+    case = Case()
+    SUMMARY = case.json("demo", "-o", FOLDER, *DEMO)
+
+
+def tearDownModule():
+    shutil.rmtree(FOLDER)
+
+
+def content(name):
+    with open(os.path.join(FOLDER, name), "rb") as file:
+        return file.read()
+
+
+class InFolder(Case):
+    def succeeds(self, *arguments, cwd=None):
+        return super().succeeds(*arguments, cwd=cwd or FOLDER)
+
+    def refuses(self, code, culprit, *arguments, cwd=None):
+        return super().refuses(code, culprit, *arguments, cwd=cwd or FOLDER)
+
+
+class Demo(InFolder):
+    def test_the_demo_leaves_what_it_says(self):
+        names = {"creature.obj", "creature.pc2", "creature.sphm", "creature-qem.sphm"}
+        names |= {f"{m}-{k}.{e}" for m, k, e in
+                  itertools.product(("level", "qem"), (60, 40, 20, 10), ("json", "obj"))}
+        self.assertLessEqual(names, set(os.listdir(FOLDER)))
+
+    def test_spheres_are_nearer_than_points(self):
+        for ours, points in zip(SUMMARY["sphere_mesh"]["levels"], SUMMARY["qem"]["levels"]):
+            self.assertEqual(ours["spheres"], points["spheres"])
+            self.assertLess(ours["mean12"], points["mean12"])
+            self.assertLess(ours["mean21"], points["mean21"])
+
+    def test_the_table_for_people_has_a_row_per_level(self):
+        with tempfile.TemporaryDirectory() as folder:
+            text = self.succeeds("demo", "-o", os.path.join(folder, "new"), *DEMO, cwd=folder).stdout
+        for count in (60, 40, 20, 10):
+            self.assertRegex(text, rf"(?m)^{count} ( +\d+\.\d+){{6}}$")
+
+    def test_a_folder_that_cannot_be_made_is_named(self):
+        self.refuses(1, "creature.obj", "demo", "-o", "creature.obj", *DEMO)
+
+    def test_the_creature_is_closed_manifold_outward_and_one_piece_at_every_resolution(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for resolution in (33, 41, 48):
+                self.succeeds("demo", "-o", folder, "--frame-count", 3, "--resolution", resolution, "--samples", 1,
+                              "--quiet")
+                info = self.json("info", *INPUT, cwd=folder)
+                self.assertEqual(info["frames"], 3)
+                self.assertEqual(info["triangles"], 2 * info["vertices"] - 4)  # Euler: a sphere's topology
+                self.assertEqual({k: v for k, v in info["check"].items() if v}, {"components": 1})
+
+    def test_the_creature_keeps_its_volume_within_a_hundredth(self):
+        triangles = [[int(part.split("/")[0]) - 1 for part in line.split()[1:]]
+                     for line in content("creature.obj").decode().splitlines() if line.startswith("f ")]
+        cache = content("creature.pc2")
+        count = int.from_bytes(cache[16:20], "little")
+        values = memoryview(cache[32:]).cast("f")
+        volumes = []
+        for frame in range(FRAMES):
+            base, volume = 3 * count * frame, 0.0
+            for a, b, c in triangles:
+                p, q, r = (values[base + 3 * i:base + 3 * i + 3] for i in (a, b, c))
+                volume += (p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2])
+                           + p[2] * (q[0] * r[1] - q[1] * r[0])) / 6
+            volumes.append(volume)
+        self.assertGreater(min(volumes), 0.4)
+        self.assertLess(max(volumes) / min(volumes), 1.01)
+
+
+class RoundTrip(InFolder):
+    def test_build_gives_the_hierarchy_of_the_demo_for_any_number_of_threads(self):
+        for threads in (1, 2):
+            self.succeeds("build", *INPUT, "-o", f"t{threads}.sphm", "--threads", threads)
+            self.assertEqual(content(f"t{threads}.sphm"), content("creature.sphm"))
+
+    def test_build_s_figures_fit_its_input(self):
+        info, built = self.json("info", *INPUT), self.json("build", *INPUT, "-o", "b.sphm")
+        for key in ("vertices", "triangles", "frames"):
+            self.assertEqual(built[key], info[key])
+        self.assertAlmostEqual(built["bounding_diagonal"], info["bounding_diagonal"], 5)
+        self.assertEqual(built["spheres_min"], 1)
+        self.assertEqual(built["collapses"], built["vertices"] - 1)
+        self.assertLessEqual(built["first_forced"], built["collapses"])
+        self.assertEqual(built["bytes"], len(content("b.sphm")))
+        self.assertGreater(built["evaluations"], built["vertices"])
+        self.assertGreater(built["peak_rss_bytes"], 1 << 20)
+        self.assertAlmostEqual(built["build_s"], built["init_s"] + built["decimate_s"], 9)
+        for key in ("load_s", "init_s", "decimate_s", "save_s"):
+            self.assertGreaterEqual(built[key], 0)
+
+    def test_a_level_has_the_shape_that_was_asked_for(self):
+        told = self.json("level", "creature.sphm", "--spheres", 33, "-o", "l.json")
+        level = json.loads(content("l.json"))
+        self.assertEqual((level["format"], level["version"]), ("sphmesh-level", 1))
+        self.assertEqual((level["spheres"], level["frames"]), (33, FRAMES))
+        self.assertEqual(len(level["centers"]), FRAMES)
+        self.assertTrue(all(len(frame) == 33 for frame in level["centers"]))
+        self.assertEqual(len(level["radii"]), 33)
+        self.assertEqual((told["edges"], told["triangles"]), (len(level["edges"]), len(level["triangles"])))
+        self.assertTrue(all(0 <= i < 33 for t in level["triangles"] + level["edges"] for i in t))
+        info = self.json("info", "l.json")
+        self.assertEqual((info["kind"], info["spheres"], info["triangles"]), ("level", 33, told["triangles"]))
+
+    def test_a_level_by_error_is_the_coarsest_that_is_good_enough(self):
+        hierarchy = self.json("info", "creature.sphm")
+        self.assertEqual(hierarchy["kind"], "hierarchy")
+        row = next(r for r in hierarchy["levels"] if r["spheres"] == 40)
+        told = self.json("level", "creature.sphm", "--max-error", 1.0000001 * row["error_percent"], "-o", "e.sphm")
+        self.assertLessEqual(told["spheres"], 40)
+        self.assertLessEqual(told["error_percent"], 1.0000001 * row["error_percent"])
+        self.assertEqual(self.json("info", "e.sphm")["spheres"], told["spheres"])
+
+    def test_optimized_connectivity_keeps_the_spheres(self):
+        self.succeeds("level", "creature.sphm", "--spheres", 30, "-o", "plain.json")
+        self.succeeds("level", "creature.sphm", "--spheres", 30, "-o", "dual.json", "--optimize-connectivity")
+        plain, dual = json.loads(content("plain.json")), json.loads(content("dual.json"))
+        self.assertEqual((plain["centers"], plain["radii"]), (dual["centers"], dual["radii"]))
+        self.assertGreater(len(dual["triangles"]), 0)
+        self.assertNotEqual(plain["labels"], dual["labels"])
+
+    def test_measures_agree_with_the_demo_s_and_with_themselves(self):
+        told = self.json("measure", *INPUT, "--level", "level-40.json", "--samples", 300)
+        demo = next(r for r in SUMMARY["sphere_mesh"]["levels"] if r["spheres"] == 40)
+        for key in ("hausdorff", "mean12", "mean21", "max12", "max21"):
+            self.assertAlmostEqual(told[key], demo[key], 3)
+            self.assertAlmostEqual(told[key], 100 * told["model_units"][key] / told["bounding_diagonal"], 9)
+        self.assertEqual((told["frames"], told["samples"], told["spheres"]), (FRAMES, 300, 40))
+        self.assertGreaterEqual(told["max12"], told["mean12"])
+
+    def test_frames_pick_frames_of_both_or_of_the_input_that_a_level_was_built_from(self):
+        told = self.json("measure", *INPUT, "--level", "level-20.json", "--samples", 100, "--frames", "1::2")
+        self.assertEqual(told["frames"], 3)
+        built = self.json("build", *INPUT, "--frames", "1::2", "-o", "odd.sphm")
+        self.assertEqual(built["frames"], 3)
+        self.succeeds("level", "odd.sphm", "--spheres", 20, "-o", "odd.json")
+        told = self.json("measure", *INPUT, "--level", "odd.json", "--samples", 100, "--frames", "1::2")
+        self.assertEqual(told["frames"], 3)
+        self.assertLess(told["mean12"], 5)
+        self.refuses(1, str(FRAMES), "measure", *INPUT, "--level", "odd.json")
+
+    def test_build_s_choices_reach_the_result(self):
+        seen = {content("creature.sphm")}
+        for choice in (["--radius", "zero"], ["--radius", "per-frame"], ["--importance", "none"],
+                       ["--radius-factor", "0.2"], ["--temporal-coherence", "0.1"], ["--scale", "2"], ["--up", "z"]):
+            self.succeeds("build", *INPUT, "-o", "choice.sphm", *choice)
+            self.assertNotIn(content("choice.sphm"), seen, choice)
+            seen.add(content("choice.sphm"))
+        self.succeeds("build", *INPUT, "-o", "choice.sphm", "--radius", "zero")
+        self.assertEqual(content("choice.sphm"), content("creature-qem.sphm"))
+
+    def test_a_count_that_the_hierarchy_does_not_have_is_refused(self):
+        self.refuses(2, "--spheres: 999999", "level", "creature.sphm", "--spheres", 999999, "-o", "no.json")
+        self.assertFalse(os.path.exists(os.path.join(FOLDER, "no.json")))
+
+    def test_a_level_where_a_hierarchy_is_needed_is_refused_and_the_other_way_round(self):
+        self.succeeds("level", "creature.sphm", "--spheres", 12, "-o", "twelve.sphm")
+        self.refuses(1, "twelve.sphm", "level", "twelve.sphm", "--spheres", 4, "-o", "no.json")
+        self.refuses(1, "creature.sphm", "measure", *INPUT, "--level", "creature.sphm")
+
+    def test_welding_joins_a_seam(self):
+        with open(os.path.join(FOLDER, "seam.obj"), "w") as file:
+            file.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n" * 2)  # a tetrahedron whose faces share no vertex of two
+            file.write("f 1 3 2\nf 1 2 4\nf 6 7 8\nf 5 8 7\n")
+        self.assertEqual(self.json("build", "seam.obj", "-o", "seam.sphm")["spheres_min"], 2)
+        built = self.json("build", "seam.obj", "-o", "seam.sphm", "--weld")
+        self.assertEqual((built["spheres_min"], built["welded"], built["vertices"]), (1, 4, 4))
+        self.assertIn("--weld", self.succeeds("info", "seam.obj").stdout)
+
+
+class Output(InFolder):
+    WORK = [["build", *INPUT, "-o", "o.sphm"], ["info", *INPUT], ["info", "creature.sphm"], ["info", "level-10.json"],
+            ["level", "creature.sphm", "--spheres", "9", "-o", "o.json"],
+            ["measure", *INPUT, "--level", "level-10.json", "--samples", "50"]]
+
+    def test_quiet_is_quiet(self):
+        for work in self.WORK:
+            done = self.succeeds(*work, "--quiet", "--progress", "plain")
+            self.assertEqual((done.stdout, done.stderr), ("", ""), work)
+
+    def test_progress_stays_off_stdout(self):
+        for work in self.WORK:
+            plain = self.succeeds(*work, "--progress", "plain")
+            self.assertNotIn("%,", plain.stdout)
+            self.assertEqual(self.succeeds(*work, "--progress", "none").stderr, "")
+            json.loads(self.succeeds(*work, "--json", "--progress", "bar").stdout)
+
+    def test_progress_as_json_is_one_object_a_line_and_never_falls(self):
+        done = self.succeeds("build", *INPUT, "-o", "o.sphm", "--progress", "json")
+        last = {}
+        for line in done.stderr.splitlines():
+            told = json.loads(line)
+            self.assertGreaterEqual(told["fraction"], last.get(told["task"], 0))
+            last[told["task"]] = told["fraction"]
+        self.assertIn("building", last)
+
+    def test_progress_is_silent_where_stderr_is_no_terminal(self):
+        self.assertEqual(self.succeeds(*self.WORK[0]).stderr, "")
+
+    def test_an_output_that_cannot_be_written_is_named(self):
+        self.refuses(1, "no/such/folder", "level", "creature.sphm", "--spheres", 9, "-o", "no/such/folder/o.json")
+
+
+if __name__ == "__main__":
+    main()
