@@ -372,3 +372,13 @@ size_t reference_edge_count(const struct reference *reference)
 {
     return reference->edge_count;
 }
+
+const uint32_t *reference_triangle(const struct reference *reference, size_t index)
+{
+    return reference->triangles[index];
+}
+
+const struct reference_edge *reference_edge(const struct reference *reference, size_t index)
+{
+    return &reference->edges[index];
+}

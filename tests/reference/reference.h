@@ -99,7 +99,10 @@ double reference_coherence_weight(const struct reference *reference, uint32_t u,
 double reference_extent(const struct reference *reference, uint32_t u, uint32_t v);
 /* Current sphere of a node that is alive. */
 const struct reference_sphere *reference_node(const struct reference *reference, uint32_t node);
+/* What is alive, in no order. */
 size_t reference_triangle_count(const struct reference *reference);
 size_t reference_edge_count(const struct reference *reference);
+const uint32_t *reference_triangle(const struct reference *reference, size_t index);
+const struct reference_edge *reference_edge(const struct reference *reference, size_t index);
 
 #endif

@@ -14,11 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cases.h"
 #include "hierarchy/hierarchy.h"
 #include "support.h"
+#include "variants.h"
 
-static const uint32_t FRAME_COUNTS[8] = {1, 2, 3, 7, 8, 9, 16, 20};
 enum { VARIANTS = 20 };
 
 /* Relative precision of costs; and what of weight * extent^2 they cannot resolve. */
@@ -30,63 +29,9 @@ static const double CLOSE = 1e-3;
 /* A triangle's turn this close to zero may be judged either way: an area of nearly nothing enters by its root. */
 static const double NEAR_TURN = 1e-4;
 
-enum importance_kind { PLAIN, BY_VERTEX, BY_VERTEX_AND_FRAME, EXTREME };
-
-struct variant {
-    enum case_motion motion;
-    uint32_t frame_count;
-    enum importance_kind importance;
-    enum reference_radius_mode radius_mode;
-    double radius_factor, temporal_coherence;
-    uint32_t width_directions;
-};
-
 struct tally {
     size_t collapses, near_ties, unresolved_ties, near_turns, slides, forced;
 };
-
-static struct variant make_variant(enum case_shape shape, unsigned index)
-{
-    static const double factors[4] = {0.75, 0.75, 0.2, 3};
-    const unsigned s = (unsigned)shape;
-    return (struct variant){.motion = (enum case_motion)((index + s) % CASE_MOTION_COUNT),
-                            .frame_count = FRAME_COUNTS[(index * 5 + s + index / 8) % 8],
-                            .importance = (enum importance_kind)((index / 2 + s) % 3),
-                            .radius_mode = (enum reference_radius_mode)(index % 3),
-                            .radius_factor = factors[(index / 3) % 4],
-                            .temporal_coherence = index % 5 == 3   ? 0.02
-                                                  : index % 5 == 4 ? 1.5
-                                                                   : 0,
-                            .width_directions = index % 4 == 1 ? 3 : 30};
-}
-
-static sph_animation *make_animation(sph_context *context, const struct case_mesh *mesh)
-{
-    sph_animation *animation;
-    ck_assert_int_eq(sph_animation_create(context, mesh->vertex_count, mesh->frame_count, &animation), SPH_OK);
-    for (uint32_t f = 0; f < mesh->frame_count; ++f)
-        ck_assert_int_eq(sph_animation_set_frame(animation, f, mesh->positions + 3 * (size_t)f * mesh->vertex_count, 0),
-                         SPH_OK);
-    ck_assert_int_eq(sph_animation_set_triangles(animation, mesh->triangles, mesh->triangle_count, 0), SPH_OK);
-    ck_assert_int_eq(sph_animation_set_edges(animation, mesh->edges, mesh->edge_count, 0), SPH_OK);
-    return animation;
-}
-
-static float *make_importance(const struct case_mesh *mesh, enum importance_kind kind, uint64_t seed)
-{
-    uint64_t state = seed;
-    float *weights = test_malloc((size_t)mesh->frame_count * mesh->vertex_count, sizeof *weights);
-    for (uint32_t f = 0; f < mesh->frame_count; ++f)
-        for (uint32_t i = 0; i < mesh->vertex_count; ++i) {
-            float *weight = weights + (size_t)f * mesh->vertex_count + i;
-            *weight = (float)(0.2 + 3 * test_random_unit(&state));
-            if (test_random(&state) % 20 == 0) *weight = 0;
-            if (kind == BY_VERTEX && f > 0) *weight = weights[i];
-            if (kind == PLAIN) *weight = 1;
-            if (kind == EXTREME) *weight = (float)pow(10, 4 * test_random_unit(&state) - 2);
-        }
-    return weights;
-}
 
 static void read_sphere(const sph_hierarchy *hierarchy, uint32_t node, uint32_t frame_count,
                         struct reference_sphere *sphere)
@@ -264,10 +209,63 @@ static void compare_collapse(const struct comparison *c, uint32_t index, double 
     free(sphere.radii);
 }
 
-static void compare(enum case_shape shape, const struct variant *v, uint64_t seed, struct tally *tally)
+static bool reference_has_triangle(const struct reference *reference, const uint32_t *corners)
 {
-    static const int32_t modes[3] = {SPH_RADIUS_CONSTANT, SPH_RADIUS_PER_FRAME, SPH_RADIUS_ZERO};
-    const struct variant variant = *v;
+    for (size_t t = 0; t < reference_triangle_count(reference); ++t) {
+        const uint32_t *x = reference_triangle(reference, t);
+        int same = 0;
+        for (int i = 0; i < 3; ++i)
+            same += corners[i] == x[0] || corners[i] == x[1] || corners[i] == x[2];
+        if (same == 3) return true;
+    }
+    return false;
+}
+
+static bool is_wire(const struct reference *reference, const struct reference_edge *edge)
+{
+    for (size_t t = 0; t < reference_triangle_count(reference); ++t) {
+        const uint32_t *x = reference_triangle(reference, t);
+        int ends = 0;
+        for (int i = 0; i < 3; ++i)
+            ends += x[i] == edge->u || x[i] == edge->v;
+        if (ends == 2) return false;
+    }
+    return true;
+}
+
+/* The level after so many collapses has the reference's triangles and wire edges: as many, and each of them. */
+static void compare_mesh(const struct comparison *c, sph_cursor *cursor, uint32_t collapses)
+{
+    size_t wires = 0;
+    uint32_t *nodes, *edges, *triangles;
+    ck_assert_int_eq(sph_cursor_move(cursor, c->mesh->vertex_count - collapses), SPH_OK);
+    for (size_t e = 0; e < reference_edge_count(c->reference); ++e)
+        wires += is_wire(c->reference, reference_edge(c->reference, e));
+    ck_assert_msg(sph_cursor_edge_count(cursor) == wires &&
+                      sph_cursor_triangle_count(cursor) == reference_triangle_count(c->reference),
+                  "%s: after %u collapses %zu wire edges and %zu triangles, not %zu and %zu", c->name, collapses,
+                  sph_cursor_edge_count(cursor), sph_cursor_triangle_count(cursor), wires,
+                  reference_triangle_count(c->reference));
+    if (collapses % 8 != 0) return;
+    nodes = test_malloc(c->mesh->vertex_count, sizeof *nodes);
+    edges = test_malloc(wires + 1, 2 * sizeof *edges);
+    triangles = test_malloc(reference_triangle_count(c->reference) + 1, 3 * sizeof *triangles);
+    ck_assert_int_eq(sph_cursor_read(cursor, nodes, edges, triangles), SPH_OK);
+    for (size_t e = 0; e < wires; ++e) {
+        const struct reference_edge *edge = reference_find(c->reference, edges[2 * e], edges[2 * e + 1]);
+        ck_assert_msg(edge != NULL && is_wire(c->reference, edge), "%s: wire %u %u", c->name, edges[2 * e],
+                      edges[2 * e + 1]);
+    }
+    for (size_t t = 0; t < sph_cursor_triangle_count(cursor); ++t)
+        ck_assert_msg(reference_has_triangle(c->reference, triangles + 3 * t), "%s: triangle %u %u %u", c->name,
+                      triangles[3 * t], triangles[3 * t + 1], triangles[3 * t + 2]);
+    free(nodes);
+    free(edges);
+    free(triangles);
+}
+
+static void compare(enum case_shape shape, const struct variant *variant, uint64_t seed, struct tally *tally)
+{
     struct case_mesh mesh;
     struct reference_input input;
     struct comparison c = {.mesh = &mesh, .input = &input, .tally = tally};
@@ -275,32 +273,18 @@ static void compare(enum case_shape shape, const struct variant *v, uint64_t see
     sph_context *context = test_context();
     sph_animation *animation;
     sph_hierarchy *hierarchy;
-    double(*directions)[3] = test_malloc(variant.width_directions, sizeof *directions), error = 0;
+    sph_cursor *cursor;
+    double(*directions)[3] = test_malloc(variant->width_directions, sizeof *directions), error = 0;
     float *importance;
     bool forced;
 
-    case_create(&mesh, shape, variant.motion, variant.frame_count, seed);
+    case_create(&mesh, shape, variant->motion, variant->frame_count, seed);
     snprintf(c.name, sizeof c.name, "%s, radius %d * %g, coherence %g, importance %d", mesh.name,
-             (int)variant.radius_mode, variant.radius_factor, variant.temporal_coherence, (int)variant.importance);
-    importance = make_importance(&mesh, variant.importance, seed + 77);
-    sph__width_directions(variant.width_directions, directions);
-    input = case_input(&mesh);
-    input.importance = importance;
-    input.radius_mode = variant.radius_mode;
-    input.radius_factor = variant.radius_factor;
-    input.temporal_coherence = variant.temporal_coherence;
-    input.direction_count = variant.width_directions;
-    input.directions = directions[0];
-
-    sph_hierarchy_options_init(&options, sizeof options);
-    options.importance = variant.importance == PLAIN ? SPH_IMPORTANCE_NONE : SPH_IMPORTANCE_CALLER;
-    options.importance_weights = variant.importance == PLAIN ? NULL : importance;
-    options.importance_frame_stride = variant.importance == BY_VERTEX ? 0 : mesh.vertex_count;
-    options.orientation = SPH_ORIENTATION_AS_GIVEN;
-    options.radius_mode = modes[variant.radius_mode];
-    options.radius_factor = variant.radius_factor;
-    options.temporal_coherence = variant.temporal_coherence;
-    options.width_directions = variant.width_directions;
+             (int)variant->radius_mode, variant->radius_factor, variant->temporal_coherence, (int)variant->importance);
+    importance = make_importance(&mesh, variant->importance, seed + 77);
+    sph__width_directions(variant->width_directions, directions);
+    input = make_input(variant, &mesh, importance, directions[0]);
+    options = make_options(variant, &mesh, importance);
     animation = make_animation(context, &mesh);
     ck_assert_int_eq(sph_hierarchy_create(animation, &options, &hierarchy), SPH_OK);
     ck_assert_uint_eq(sph_hierarchy_collapse_count(hierarchy), mesh.vertex_count - mesh.components);
@@ -309,11 +293,16 @@ static void compare(enum case_shape shape, const struct variant *v, uint64_t see
     c.reference = reference_create(&input);
     c.blurs = calloc(2 * mesh.vertex_count, sizeof *c.blurs);
     ck_assert_ptr_nonnull(c.blurs);
-    for (uint32_t t = 0; t < sph_hierarchy_collapse_count(hierarchy); ++t)
+    ck_assert_int_eq(sph_cursor_create(hierarchy, &cursor), SPH_OK);
+    compare_mesh(&c, cursor, 0);
+    for (uint32_t t = 0; t < sph_hierarchy_collapse_count(hierarchy); ++t) {
         compare_collapse(&c, t, &error);
+        compare_mesh(&c, cursor, t + 1);
+    }
     ck_assert_ptr_null(reference_next(c.reference, &forced));
 
     reference_destroy(c.reference);
+    sph_cursor_destroy(cursor);
     sph_hierarchy_destroy(hierarchy);
     sph_animation_destroy(animation);
     sph_context_destroy(context);
