@@ -35,8 +35,11 @@ SPH_API void sph_io_open_options_init(sph_io_open_options *options, size_t size)
 /**
  * @brief Opens an animation: one mesh with a point cache, or a sequence of meshes, or one mesh alone (one frame).
  *
- * A sequence is several paths (or one glob or printf pattern), taken in natural order: s2 before s10. All meshes of a
- * sequence must have the triangles of the first. Point caches are memory-mapped, and read as frames are asked for.
+ * A sequence is several paths (or one glob such as `s*.obj`, or one printf pattern such as `s%04d.obj`), taken in natural
+ * order: s2 before s10. All meshes of a sequence must have the vertex count, triangles and edges of the first; they are
+ * checked here, and again when a frame is read, one file at a time. Point caches are memory-mapped, and read as frames are
+ * asked for: a cache must not be made shorter while the animation lives. Values that are not finite are left to
+ * sph_animation_check() and the calls that use them. docs/formats.md says what is read of each format.
  * @param[in]  paths       path_count paths; more than one must not come with a cache.
  * @param[in]  options     may be NULL: all defaults.
  * @param[out] out         owned by the caller; NULL on failure.

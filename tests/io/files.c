@@ -44,8 +44,27 @@ static void remove_all(const char *path)
     rmdir(path);
 }
 
+/* Whether this process still has a file of the folder mapped or open. */
+static void check_let_go(void)
+{
+    FILE *maps = fopen("/proc/self/maps", "r");
+    DIR *open_files = opendir("/proc/self/fd");
+    const struct dirent *entry;
+    char line[2 * PATH_SIZE];
+    while (maps != NULL && fgets(line, sizeof line, maps) != NULL)
+        ck_assert_msg(strstr(line, folder) == NULL, "still mapped: %s", line);
+    while (open_files != NULL && (entry = readdir(open_files)) != NULL) {
+        const ssize_t length = readlinkat(dirfd(open_files), entry->d_name, line, sizeof line - 1);
+        line[length < 0 ? 0 : length] = '\0';
+        ck_assert_msg(strstr(line, folder) == NULL, "still open: %s", line);
+    }
+    if (maps != NULL) fclose(maps);
+    if (open_files != NULL) closedir(open_files);
+}
+
 void files_teardown(void)
 {
+    check_let_go();
     remove_all(folder);
     while (path_count > 0)
         free(paths[--path_count]);
@@ -201,6 +220,36 @@ const char *write_obj(const char *name, uint32_t vertices, uint32_t frame)
     for (uint32_t i = 0; i + 2 < vertices; ++i)
         fprintf(file, "f %u %u %u\n", i + 1, i + 2, i + 3);
     ck_assert_int_eq(fclose(file), 0);
+    return path;
+}
+
+/* That frame `f` of the animation is frame first + f * step of the coordinates. */
+void check_frames(sph_context *context, const sph_animation *animation, uint32_t vertices, uint32_t frames,
+                  uint32_t first, uint32_t step)
+{
+    float *xyz = test_malloc(3 * vertices, sizeof *xyz);
+    ck_assert_msg(animation != NULL, "%s", sph_context_last_message(context));
+    ck_assert_uint_eq(sph_animation_vertex_count(animation), vertices);
+    ck_assert_uint_eq(sph_animation_frame_count(animation), frames);
+    ck_assert_uint_eq(sph_animation_triangle_count(animation), vertices - 2);
+    for (uint32_t f = frames; f-- > 0;) { /* any order will do */
+        ck_assert_int_eq(sph_animation_read_frame(animation, f, xyz), SPH_OK);
+        for (uint32_t i = 0; i < 3 * vertices; ++i)
+            ck_assert_float_eq(xyz[i], coordinate(first + f * step, i / 3, i % 3));
+    }
+    free(xyz);
+}
+
+const char *write_cache(const char *name, uint32_t vertices, uint32_t frames)
+{
+    layout l = {NULL, 0, 0};
+    const char *path;
+    if (strstr(name, "mdd") != NULL)
+        put_mdd(&l, vertices, frames);
+    else
+        put_pc2(&l, vertices, frames);
+    path = file_write(name, l.bytes, l.size);
+    layout_free(&l);
     return path;
 }
 

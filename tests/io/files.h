@@ -43,6 +43,12 @@ void put_mdd(layout *l, uint32_t vertices, uint32_t frames);
 /* An OBJ of so many vertices with the coordinates of a frame, and one triangle or more. */
 const char *write_obj(const char *name, uint32_t vertices, uint32_t frame);
 
+/* A PC2, or an MDD where the name has mdd in it. */
+const char *write_cache(const char *name, uint32_t vertices, uint32_t frames);
+/* That frame `f` of the animation is frame first + f * step of the coordinates. */
+void check_frames(sph_context *context, const sph_animation *animation, uint32_t vertices, uint32_t frames,
+                  uint32_t first, uint32_t step);
+
 /* Opens one path; the animation, or NULL with *status. */
 sph_animation *open_one(sph_context *context, const char *path, const sph_io_open_options *options, sph_status *status);
 

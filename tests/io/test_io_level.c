@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Levels as files: JSON against Jansson, .sphm against its documented bytes, and that files are whole or not there. */
+/* Levels as files: JSON against Jansson, .sphm against its documented bytes. */
 #include <check.h>
 #include <jansson.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "files.h"
 #include "runner.h"
@@ -377,195 +373,6 @@ START_TEST(a_sphm_level_has_the_documented_bytes)
 }
 END_TEST
 
-/* --- files that are whole or not there --- */
-
-START_TEST(a_folder_that_is_not_there_is_named_and_nothing_is_left)
-{
-    sph_level *level = make_level(3, 1, 0, true);
-    ck_assert_int_eq(sph_io_save_level(context, level, file_path("none/l.json")), SPH_E_IO);
-    ck_assert_ptr_nonnull(strstr(sph_context_last_message(context), "none/l.json: cannot be written: No such file"));
-    ck_assert_int_eq(sph_io_save_level(context, level, ""), SPH_E_UNSUPPORTED);
-    ck_assert_uint_eq(file_count(), 0);
-    sph_level_destroy(level);
-}
-END_TEST
-
-START_TEST(what_is_no_file_is_not_replaced)
-{
-    sph_level *level = make_level(3, 1, 0, true);
-    struct stat found;
-    ck_assert_int_eq(mkdir(file_path("d.json"), 0777), 0);
-    ck_assert_int_eq(sph_io_save_level(context, level, file_path("d.json")), SPH_E_IO);
-    ck_assert_int_eq(mkfifo(file_path("p.json"), 0666), 0);
-    ck_assert_int_eq(sph_io_save_level(context, level, file_path("p.json")), SPH_E_IO);
-    ck_assert_int_eq(stat(file_path("p.json"), &found), 0);
-    ck_assert(S_ISFIFO(found.st_mode));
-    ck_assert_uint_eq(file_count(), 2);
-    sph_level_destroy(level);
-}
-END_TEST
-
-START_TEST(a_link_stays_and_what_it_points_to_is_replaced_with_its_mode)
-{
-    sph_level *level = make_level(3, 1, 0, true), *back = NULL;
-    const char *target = file_text("target.json", "old"), *link = file_path("link.json");
-    struct stat found;
-    ck_assert_int_eq(chmod(target, 0640), 0);
-    ck_assert_int_eq(symlink("target.json", link), 0);
-    ck_assert_int_eq(sph_io_save_level(context, level, link), SPH_OK);
-    ck_assert_int_eq(lstat(link, &found), 0);
-    ck_assert(S_ISLNK(found.st_mode));
-    ck_assert_int_eq(stat(target, &found), 0);
-    ck_assert_int_eq(found.st_mode & 0777, 0640);
-    ck_assert_int_eq(sph_io_load_level(context, target, &back), SPH_OK);
-    ck_assert_uint_eq(file_count(), 2);
-    sph_level_destroy(back);
-    sph_level_destroy(level);
-}
-END_TEST
-
-/* A frame source that fails halfway: both files of before are as they were. */
-START_TEST(a_failing_source_leaves_the_old_files_and_no_other)
-{
-    sph_animation *inner = test_sphere(context, 2, 5), *animation;
-    test_source source = {.from = inner, .fail_at = (size_t)_i + 1, .failure = SPH_E_IO};
-    unsigned char *text;
-    size_t size;
-    file_text("a.obj", "old obj");
-    file_text("a.pc2", "old pc2");
-    animation = test_pulled(context, &source);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 0, 1, file_path("a.obj"), file_path("a.pc2")), SPH_E_IO);
-    text = file_read(file_path("a.obj"), &size);
-    ck_assert_str_eq((const char *)text, "old obj");
-    free(text);
-    text = file_read(file_path("a.pc2"), &size);
-    ck_assert_str_eq((const char *)text, "old pc2");
-    free(text);
-    ck_assert_uint_eq(file_count(), 2);
-    sph_animation_destroy(animation);
-    sph_animation_destroy(inner);
-}
-END_TEST
-
-/* RLIMIT_FSIZE makes writing fail after so many bytes, as a full disk does. */
-START_TEST(a_disk_that_is_full_after_any_number_of_bytes_leaves_the_old_files)
-{
-    sph_animation *animation = test_sphere(context, 3, 5); /* 642 vertices: 38 KB and more than one buffer of OBJ */
-    const struct rlimit limit = {(rlim_t)_i * 8192, RLIM_INFINITY};
-    unsigned char *text;
-    size_t size;
-    sph_status status;
-    file_text("a.obj", "old obj");
-    file_text("a.pc2", "old pc2");
-    signal(SIGXFSZ, SIG_IGN); /* each test has a process of its own */
-    ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    status = sph_io_save_obj_pc2(context, animation, 0, 1, file_path("a.obj"), file_path("a.pc2"));
-    ck_assert_int_eq(status, SPH_E_IO);
-    ck_assert_ptr_nonnull(strstr(sph_context_last_message(context), "cannot be written: File too large"));
-    text = file_read(file_path("a.obj"), &size);
-    ck_assert_str_eq((const char *)text, "old obj");
-    free(text);
-    text = file_read(file_path("a.pc2"), &size);
-    ck_assert_str_eq((const char *)text, "old pc2");
-    free(text);
-    ck_assert_uint_eq(file_count(), 2);
-    sph_animation_destroy(animation);
-}
-END_TEST
-
-START_TEST(saving_may_be_cancelled_at_any_frame)
-{
-    test_progress progress = {.cancel_at = (size_t)_i + 1};
-    sph_context *own = test_context_with_progress(test_progress_callback, &progress);
-    sph_animation *animation = test_sphere(own, 1, 4);
-    ck_assert_int_eq(sph_io_save_obj_pc2(own, animation, 0, 1, file_path("a.obj"), file_path("a.pc2")),
-                     SPH_E_CANCELLED);
-    ck_assert_uint_eq(file_count(), 0);
-    ck_assert(!progress.fell);
-    sph_animation_destroy(animation);
-    sph_context_destroy(own);
-}
-END_TEST
-
-START_TEST(an_animation_comes_back_from_obj_and_pc2_with_the_same_bits)
-{
-    sph_animation *animation = test_torus(context, 12, 8, 5), *back;
-    const char *obj = file_path("a.obj"), *pc2 = file_path("a.pc2");
-    const uint32_t n = sph_animation_vertex_count(animation), edges[] = {0, 5, 7, 2};
-    float *a = test_malloc(3 * n, sizeof *a), *b = test_malloc(3 * n, sizeof *b);
-    unsigned char *bytes;
-    layout head = {NULL, 0, 0};
-    size_t size;
-    sph_io_open_options options;
-    sph_status status;
-    ck_assert_int_eq(sph_animation_set_edges(animation, edges, 2, 0), SPH_OK);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 3, 0.5, obj, pc2), SPH_OK);
-    ck_assert_uint_eq(file_count(), 2);
-    sph_io_open_options_init(&options, sizeof options);
-    for (int with_cache = 0; with_cache < 2; ++with_cache) {
-        options.cache_path = with_cache ? pc2 : NULL;
-        back = open_one(context, obj, &options, &status);
-        ck_assert_int_eq(status, SPH_OK);
-        ck_assert_uint_eq(sph_animation_frame_count(back), with_cache ? 5 : 1);
-        for (uint32_t f = 0; f < (with_cache ? 5U : 1U); ++f) {
-            ck_assert_int_eq(sph_animation_read_frame(animation, f, a), SPH_OK);
-            ck_assert_int_eq(sph_animation_read_frame(back, f, b), SPH_OK);
-            ck_assert_mem_eq(a, b, 3 * n * sizeof *a);
-        }
-        ck_assert_uint_eq(sph_animation_triangle_count(back), sph_animation_triangle_count(animation));
-        ck_assert_mem_eq(sph_animation_triangles(back), sph_animation_triangles(animation),
-                         12 * sph_animation_triangle_count(animation));
-        ck_assert_uint_eq(sph_animation_edge_count(back), 2);
-        ck_assert_mem_eq(sph_animation_edges(back), edges, sizeof edges);
-        sph_animation_destroy(back);
-    }
-    put_bytes(&head, "POINTCACHE2\0\1\0\0\0", 16);
-    put_little(&head, n, 4);
-    put_little_float(&head, 3);
-    put_little_float(&head, 0.5f);
-    put_little(&head, 5, 4);
-    bytes = file_read(pc2, &size);
-    ck_assert_uint_eq(size, 32 + 5 * 12 * (size_t)n);
-    ck_assert_mem_eq(bytes, head.bytes, 32);
-    free(bytes);
-    free(a);
-    free(b);
-    layout_free(&head);
-    sph_animation_destroy(animation);
-}
-END_TEST
-
-START_TEST(arguments_are_checked)
-{
-    sph_level *level = make_level(3, 1, 0, true), *back = level;
-    sph_animation *animation = test_cube(context, 1);
-    const char *path = file_path("x.json"), *other = file_path("y.json");
-    int32_t kind;
-    ck_assert_int_eq(sph_io_save_level(NULL, level, path), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_level(context, NULL, path), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_level(context, level, NULL), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_load_level(NULL, path, &back), SPH_E_INVALID);
-    ck_assert_ptr_null(back);
-    ck_assert_int_eq(sph_io_load_level(context, NULL, &back), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_load_level(context, path, NULL), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_identify(context, path, NULL), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_identify(NULL, path, &kind), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_obj_pc2(NULL, animation, 0, 1, path, other), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, NULL, 0, 1, path, other), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 0, 1, NULL, other), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 0, 1, path, NULL), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 0, 1, path, path), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, NAN, 1, path, other), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 1e300, 1, path, other), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 0, 0, path, other), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 0, -1, path, other), SPH_E_INVALID);
-    ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 0, INFINITY, path, other), SPH_E_INVALID);
-    ck_assert_uint_eq(file_count(), 0);
-    sph_animation_destroy(animation);
-    sph_level_destroy(level);
-}
-END_TEST
-
 int main(void)
 {
     TCase *tc = tcase_create("all");
@@ -580,13 +387,5 @@ int main(void)
     tcase_add_test(tc, other_endings_are_refused);
     tcase_add_test(tc, a_sphm_file_tells_what_it_holds);
     tcase_add_test(tc, a_sphm_level_has_the_documented_bytes);
-    tcase_add_test(tc, a_folder_that_is_not_there_is_named_and_nothing_is_left);
-    tcase_add_test(tc, what_is_no_file_is_not_replaced);
-    tcase_add_test(tc, a_link_stays_and_what_it_points_to_is_replaced_with_its_mode);
-    tcase_add_loop_test(tc, a_failing_source_leaves_the_old_files_and_no_other, 0, 5);
-    tcase_add_loop_test(tc, a_disk_that_is_full_after_any_number_of_bytes_leaves_the_old_files, 0, 5);
-    tcase_add_loop_test(tc, saving_may_be_cancelled_at_any_frame, 0, 4);
-    tcase_add_test(tc, an_animation_comes_back_from_obj_and_pc2_with_the_same_bits);
-    tcase_add_test(tc, arguments_are_checked);
-    return run_suite(suite_create("io levels and writers"), tc);
+    return run_suite(suite_create("io levels"), tc);
 }

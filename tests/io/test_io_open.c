@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Sequences, caches, and the options of sph_io_open_animation. */
+/* Sequences, and the options of sph_io_open_animation. */
 #include <check.h>
 #include <math.h>
 #include <stdio.h>
@@ -24,112 +24,6 @@ static void teardown(void)
     files_teardown();
     sph_context_destroy(context);
 }
-
-/* That frame `f` of the animation is frame first + f * step of the coordinates. */
-static void check_frames(const sph_animation *animation, uint32_t vertices, uint32_t frames, uint32_t first,
-                         uint32_t step)
-{
-    float *xyz = test_malloc(3 * vertices, sizeof *xyz);
-    ck_assert_msg(animation != NULL, "%s", sph_context_last_message(context));
-    ck_assert_uint_eq(sph_animation_vertex_count(animation), vertices);
-    ck_assert_uint_eq(sph_animation_frame_count(animation), frames);
-    ck_assert_uint_eq(sph_animation_triangle_count(animation), vertices - 2);
-    for (uint32_t f = frames; f-- > 0;) { /* any order will do */
-        ck_assert_int_eq(sph_animation_read_frame(animation, f, xyz), SPH_OK);
-        for (uint32_t i = 0; i < 3 * vertices; ++i)
-            ck_assert_float_eq(xyz[i], coordinate(first + f * step, i / 3, i % 3));
-    }
-    free(xyz);
-}
-
-static const char *write_cache(const char *name, uint32_t vertices, uint32_t frames)
-{
-    layout l = {NULL, 0, 0};
-    const char *path;
-    if (strstr(name, "mdd") != NULL)
-        put_mdd(&l, vertices, frames);
-    else
-        put_pc2(&l, vertices, frames);
-    path = file_write(name, l.bytes, l.size);
-    layout_free(&l);
-    return path;
-}
-
-START_TEST(a_mesh_with_a_cache_has_the_frames_of_the_cache)
-{
-    const char *mesh = write_obj("m.obj", 5, 0);
-    sph_status status;
-    sph_animation *animation;
-    options.cache_path = write_cache(_i == 0 ? "c.pc2" : _i == 1 ? "c.mdd" : _i == 2 ? "pc2.bin" : "mdd.bin", 5, 7);
-    animation = open_one(context, mesh, &options, &status);
-    check_frames(animation, 5, 7, 0, 1);
-    sph_animation_destroy(animation);
-}
-END_TEST
-
-START_TEST(a_cache_of_another_mesh_is_refused_with_both_counts)
-{
-    const char *mesh = write_obj("m.obj", 5, 0);
-    sph_status status;
-    options.cache_path = write_cache(_i == 0 ? "c.pc2" : "c.mdd", 6, 7);
-    ck_assert_ptr_null(open_one(context, mesh, &options, &status));
-    ck_assert_int_eq(status, SPH_E_FORMAT);
-    ck_assert_ptr_nonnull(strstr(sph_context_last_message(context), "6 points"));
-    ck_assert_ptr_nonnull(strstr(sph_context_last_message(context), "5 vertices"));
-}
-END_TEST
-
-/* A frame may end where the file and its last page end: a look beyond it would be a fault. */
-START_TEST(a_cache_that_ends_with_its_page_is_read_within_it)
-{
-    const uint32_t n = _i == 0 ? 68 : 170, frames = _i == 0 ? 10 : 2;
-    const char *mesh = write_obj("m.obj", n, 0);
-    sph_status status;
-    sph_animation *animation;
-    size_t size;
-    options.cache_path = write_cache(_i == 0 ? "c.pc2" : "c.mdd", n, frames);
-    free(file_read(options.cache_path, &size));
-    ck_assert_uint_eq(size % 4096, 0);
-    animation = open_one(context, mesh, &options, &status);
-    check_frames(animation, n, frames, 0, 1);
-    check_frames(animation, n, frames, 0, 1); /* again, after its pages were given back */
-    sph_animation_destroy(animation);
-}
-END_TEST
-
-START_TEST(bad_caches_are_refused_with_the_reason)
-{
-    static const struct {
-        const char *name;
-        size_t at;
-        uint32_t value;
-        sph_status status;
-        const char *message;
-    } CASES[] = {{"c.pc2", 12, 2, SPH_E_UNSUPPORTED, "byte 12: PC2 version 2"},
-                 {"c.pc2", 16, 0, SPH_E_FORMAT, "7 frames of 0 points"},
-                 {"c.pc2", 16, 0x80000000, SPH_E_FORMAT, "7 frames of -2147483648 points"},
-                 {"c.pc2", 16, 0x7FFFFFFF, SPH_E_FORMAT, "within frame 0"},
-                 {"c.pc2", 28, 0x7FFFFFFF, SPH_E_FORMAT, "within frame 7: its header says 2147483647 frames"},
-                 {"c.pc2", 28, 0xFFFFFFFF, SPH_E_FORMAT, "-1 frames"},
-                 {"c.pc2", 28, 8, SPH_E_FORMAT, "within frame 7"},
-                 {"c.pc2", 0, 0, SPH_E_FORMAT, "byte 0: not a PC2 file"},
-                 {"c.mdd", 0, 0, SPH_E_FORMAT, "0 frames of 5 points"},
-                 {"c.mdd", 0, 0xFFFFFFFF, SPH_E_FORMAT, "-1 frames"},
-                 {"c.mdd", 4, 0xFFFFFF7F, SPH_E_FORMAT, "7 frames of 2147483647 points would take"},
-                 {"c.mdd", 4, 0x06000000, SPH_E_FORMAT, "7 frames of 6 points would take 540 bytes, it has 456"}};
-    const char *mesh = write_obj("m.obj", 5, 0);
-    size_t size;
-    unsigned char *bytes = file_read(write_cache(CASES[_i].name, 5, 7), &size);
-    sph_status status;
-    memcpy(bytes + CASES[_i].at, &CASES[_i].value, 4); /* as this machine, which is little-endian, has it */
-    options.cache_path = file_write(CASES[_i].name, bytes, size);
-    ck_assert_ptr_null(open_one(context, mesh, &options, &status));
-    ck_assert_int_eq(status, CASES[_i].status);
-    ck_assert_msg(strstr(sph_context_last_message(context), CASES[_i].message) != NULL, "%s",
-                  sph_context_last_message(context));
-    free(bytes);
-}
-END_TEST
 
 START_TEST(names_sort_as_people_count)
 {
@@ -206,7 +100,7 @@ START_TEST(a_sequence_is_named_by_pattern_glob_or_list_and_comes_in_natural_orde
         status = sph_io_open_animation(context, paths, 12, NULL, &animation);
     }
     ck_assert_int_eq(status, SPH_OK);
-    check_frames(animation, 5, 12, 0, 1);
+    check_frames(context, animation, 5, 12, 0, 1);
     sph_animation_destroy(animation);
 }
 END_TEST
@@ -219,7 +113,7 @@ START_TEST(a_padded_pattern_takes_padded_names_only)
     write_obj("s1.obj", 6, 0);
     write_obj("s00001.obj", 6, 0);
     animation = open_one(context, file_path("s%04d.obj"), NULL, &status);
-    check_frames(animation, 5, 3, 0, 1);
+    check_frames(context, animation, 5, 3, 0, 1);
     sph_animation_destroy(animation);
     ck_assert_ptr_null(open_one(context, file_path("x%04d.obj"), NULL, &status));
     ck_assert_int_eq(status, SPH_E_IO);
@@ -237,7 +131,7 @@ START_TEST(a_file_whose_name_looks_like_a_pattern_is_that_file)
 {
     sph_status status;
     sph_animation *animation = open_one(context, write_obj("a%d[1]*.obj", 4, 0), NULL, &status);
-    check_frames(animation, 4, 1, 0, 1);
+    check_frames(context, animation, 4, 1, 0, 1);
     sph_animation_destroy(animation);
 }
 END_TEST
@@ -259,7 +153,7 @@ START_TEST(frames_scale_and_axis_are_applied)
     if (_i == 1) options.end_frame = 9;
     if (_i == 2) options.end_frame = 8;
     animation = open_one(context, path, &options, &status);
-    check_frames(animation, 5, _i == 1 ? 3 : _i == 2 ? 2 : 4, 2, 3); /* 2 5 8 (11) */
+    check_frames(context, animation, 5, _i == 1 ? 3 : _i == 2 ? 2 : 4, 2, 3); /* 2 5 8 (11) */
     sph_animation_destroy(animation);
     options.up_axis = SPH_UP_Z;
     options.scale = -0.5;
@@ -310,7 +204,7 @@ START_TEST(frames_that_are_not_taken_need_not_be_right)
     file_text("w3.obj", "v x");
     options.end_frame = 3;
     animation = open_one(context, file_path("w%d.obj"), &options, &status);
-    check_frames(animation, 5, 3, 0, 1);
+    check_frames(context, animation, 5, 3, 0, 1);
     sph_animation_destroy(animation);
 }
 END_TEST
@@ -353,7 +247,7 @@ START_TEST(a_file_that_changes_later_is_noticed_when_its_frame_is_read)
     sph_animation *animation;
     write_sequence(4, 3, "w%u.obj");
     animation = open_one(context, file_path("w%d.obj"), NULL, &status);
-    check_frames(animation, 4, 3, 0, 1);
+    check_frames(context, animation, 4, 3, 0, 1);
     write_obj("w1.obj", 5, 1);
     ck_assert_int_eq(sph_animation_read_frame(animation, 1, xyz), SPH_E_FORMAT);
     ck_assert_ptr_nonnull(strstr(sph_context_last_message(context), "5 vertices, but 4 in"));
@@ -370,7 +264,7 @@ START_TEST(an_animation_outlives_the_callers_context)
     options.cache_path = write_cache("c.mdd", 5, 3);
     animation = open_one(own, write_obj("m.obj", 5, 0), &options, &status);
     sph_context_destroy(own);
-    check_frames(animation, 5, 3, 0, 1);
+    check_frames(context, animation, 5, 3, 0, 1);
     sph_animation_destroy(animation);
 }
 END_TEST
@@ -433,10 +327,6 @@ int main(void)
 {
     TCase *tc = tcase_create("all");
     tcase_add_checked_fixture(tc, setup, teardown);
-    tcase_add_loop_test(tc, a_mesh_with_a_cache_has_the_frames_of_the_cache, 0, 4);
-    tcase_add_loop_test(tc, a_cache_of_another_mesh_is_refused_with_both_counts, 0, 2);
-    tcase_add_loop_test(tc, a_cache_that_ends_with_its_page_is_read_within_it, 0, 2);
-    tcase_add_loop_test(tc, bad_caches_are_refused_with_the_reason, 0, 12);
     tcase_add_test(tc, names_sort_as_people_count);
     tcase_add_test(tc, any_shuffle_of_numbered_names_sorts_back);
     tcase_add_loop_test(tc, a_sequence_is_named_by_pattern_glob_or_list_and_comes_in_natural_order, 0, 4);
