@@ -11,6 +11,7 @@ test_packages=(
     check                 # the test framework
     liblapacke-dev        # the oracle of lib/numeric
     libjansson-dev libopenmesh-dev # the oracles of lib/io
+    libcgal-dev           # the oracle of distances to meshes
     python3               # scripts/check_*.py, count_tests.py
 )
 
