@@ -19,7 +19,8 @@ typedef struct sph_hierarchy sph_hierarchy;
 /** How planes are weighted beyond their area. */
 enum {
     SPH_IMPORTANCE_NONE = 0,      /**< by area alone */
-    SPH_IMPORTANCE_CURVATURE = 1, /**< area times a tamed function of the surface's curvature (docs/importance.md); default */
+    SPH_IMPORTANCE_CURVATURE = 1, /**< by area, and vertices of positive curvature by that besides, so that
+                                       sharp tips count (docs/importance.md); default */
     SPH_IMPORTANCE_CALLER = 2     /**< area times the caller's own weights */
 };
 

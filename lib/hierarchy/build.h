@@ -107,7 +107,6 @@ static inline float *sph__node_center(const sph__builder *b, uint32_t node)
 sph_status sph__load_frames(sph__builder *b);
 sph_status sph__make_cells(sph__builder *b);
 sph_status sph__make_importance(sph__builder *b);
-sph_status sph__curvature_importance(sph__builder *b); /* part of the step before */
 sph_status sph__make_leaves(sph__builder *b);
 sph_status sph__make_widths(sph__builder *b);
 sph_status sph__decimate(sph__builder *b);
@@ -115,6 +114,14 @@ sph_status sph__decimate(sph__builder *b);
 sph_status sph__record_births(sph__builder *b, uint32_t node);
 /* The same for all leaves, before decimation. */
 sph_status sph__record_leaves(sph__builder *b);
+
+/*
+ * Importance from curvature: the plane that a vertex of positive curvature adds to its leaf's quadric; returns what it
+ * adds to W. The radius is in bounding-box diagonals.
+ */
+#define SPH__CAP_RADIUS 0.04
+enum { SPH__CAP_DEGREE = 1024 }; /* vertices of more triangles are left out */
+double sph__add_cap(const sph__builder *b, uint32_t v, float *block);
 
 /* The region as the kernels want it. */
 sph__region sph__region_of(const sph__builder *b, uint32_t node);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Importance: what a plane weighs beyond its area. */
+/* Importance given by the caller. That of curvature is made with the leaves: caps.c. */
 #include <math.h>
 
 #include "hierarchy/build.h"
@@ -25,9 +25,5 @@ static sph_status copy_callers(sph__builder *b)
 
 sph_status sph__make_importance(sph__builder *b)
 {
-    switch (b->options.importance) {
-    case SPH_IMPORTANCE_CALLER: return copy_callers(b);
-    case SPH_IMPORTANCE_CURVATURE: return sph__curvature_importance(b);
-    default: return SPH_OK;
-    }
+    return b->options.importance == SPH_IMPORTANCE_CALLER ? copy_callers(b) : SPH_OK;
 }

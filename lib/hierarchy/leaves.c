@@ -51,6 +51,7 @@ static double make_leaf(const sph__builder *b, uint32_t v, float *block)
         w += add_triangle(sph__node_center(b, v), sph__node_center(b, corner[(at + 1) % 3]),
                           sph__node_center(b, corner[(at + 2) % 3]), s, k / 3, weights, block);
     }
+    if (b->options.importance == SPH_IMPORTANCE_CURVATURE) w += sph__add_cap(b, v, block);
     return w;
 }
 

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Importance from curvature. A sharp tip has almost no area, and the planes of its triangles do not show that it ends: a
+ * sphere may slide along them, and the tip is lost. What a tip does have is curvature: its normals cover a part of the
+ * sphere of directions. So each vertex of positive angle deficit (the Gaussian curvature of its cell) adds one plane
+ * more: through the vertex, along its normal, weighted by the deficit times SPH__CAP_RADIUS^2. That is the area of the
+ * cap over the tip on the surface that runs SPH__CAP_RADIUS outside the mesh. docs/importance.md tells of the choice.
+ */
+#include <math.h>
+
+#include "hierarchy/build.h"
+#include "hierarchy/lanes.h"
+
+#define TWO_PI 6.283185307179586
+#define HALF_PI 1.5707963267948966
+
+SPH__INLINE sph__v8d root_of(sph__v8d x)
+{
+    sph__v8d y;
+    for (size_t l = 0; l < SPH__LANES; ++l) y[l] = sqrt(x[l]);
+    return y;
+}
+
+/* The angle of (x, y), y >= 0, in [0, pi]; by halving the angle twice, and then its series, to 1e-9: no library
+ * function, so the same bits everywhere. 0 for the zero vector. */
+SPH__INLINE sph__v8d angle_of(sph__v8d x, sph__v8d y)
+{
+    const sph__v8d size = sph__select(x < 0, -x, x);
+    const sph__v8i steep = y > size;
+    const sph__v8d high = sph__select(steep, y, size), low = sph__select(steep, size, y);
+    sph__v8d t = sph__select(high > 0, low / high, high), t2, a;
+    t = t / (1.0 + root_of(1.0 + t * t));
+    t = t / (1.0 + root_of(1.0 + t * t));
+    t2 = t * t;
+    a = 4.0 * t *
+        (1.0 - t2 * (1.0 / 3 - t2 * (1.0 / 5 - t2 * (1.0 / 7 - t2 * (1.0 / 9 - t2 * (1.0 / 11 - t2 * (1.0 / 13)))))));
+    a = sph__select(steep, HALF_PI - a, a);
+    return sph__select(x < 0, 2 * HALF_PI - a, a);
+}
+
+SPH__INLINE void subtract(const float *q, const float *p, size_t s, size_t i, sph__v8d e[3])
+{
+    for (size_t k = 0; k < 3; ++k) e[k] = sph__load(q, k * s + i) - sph__load(p, k * s + i);
+}
+
+SPH__INLINE sph__v8d dot(const sph__v8d a[3], const sph__v8d b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void other_corners(const uint32_t *corner, uint32_t v, uint32_t *next, uint32_t *previous)
+{
+    const unsigned at = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
+    *next = corner[(at + 1) % 3];
+    *previous = corner[(at + 2) % 3];
+}
+
+/* Eight frames of the sum of angles around v. */
+SPH__INLINE sph__v8d sum_angles(const sph__builder *b, uint32_t v, size_t i)
+{
+    const size_t s = b->stride;
+    const float *p = sph__node_center(b, v);
+    sph__v8d angles = {0};
+    for (size_t c = b->cell_starts[v]; c < b->cell_starts[v + 1]; ++c) {
+        uint32_t next, previous;
+        sph__v8d e[3], f[3], n[3];
+        other_corners(b->cells + 3 * (size_t)b->vertex_cells[c], v, &next, &previous);
+        subtract(sph__node_center(b, next), p, s, i, e);
+        subtract(sph__node_center(b, previous), p, s, i, f);
+        n[0] = e[1] * f[2] - e[2] * f[1];
+        n[1] = e[2] * f[0] - e[0] * f[2];
+        n[2] = e[0] * f[1] - e[1] * f[0];
+        angles += angle_of(dot(e, f), root_of(dot(n, n)));
+    }
+    return angles;
+}
+
+SPH__CLONES static double add_cap(const sph__builder *b, uint32_t v, double weight, float *block)
+{
+    const size_t s = b->stride;
+    sph__v8d total = {0};
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        const sph__v8d angles = sum_angles(b, v, i);
+        sph__v8d n[3], length, w;
+        for (size_t k = 0; k < 3; ++k) n[k] = sph__load(block, (SPH__N0 + k) * s + i);
+        length = root_of(dot(n, n));
+        /* no angle at all is no tip but a vertex whose triangles have collapsed */
+        w = sph__select((length > 0) & (angles > 0) & (angles < TWO_PI), weight * (TWO_PI - angles), angles * 0);
+        for (size_t k = 0; k < 3; ++k) n[k] = sph__select(length > 0, n[k] / length, length);
+        total += w;
+        sph__store(block, 0 * s + i, sph__load(block, 0 * s + i) + w * n[0] * n[0]);
+        sph__store(block, 1 * s + i, sph__load(block, 1 * s + i) + w * n[0] * n[1]);
+        sph__store(block, 2 * s + i, sph__load(block, 2 * s + i) + w * n[0] * n[2]);
+        sph__store(block, 3 * s + i, sph__load(block, 3 * s + i) + w * n[1] * n[1]);
+        sph__store(block, 4 * s + i, sph__load(block, 4 * s + i) + w * n[1] * n[2]);
+        sph__store(block, 5 * s + i, sph__load(block, 5 * s + i) + w * n[2] * n[2]);
+        for (size_t k = 0; k < 3; ++k)
+            sph__store(block, (SPH__N0 + k) * s + i, sph__load(block, (SPH__N0 + k) * s + i) + w * n[k]);
+    }
+    return sph__sum(total);
+}
+
+/* Whether the triangles close around v: each edge that one leaves by, exactly one comes in by. Else its angles say nothing. */
+static bool is_closed_around(const sph__builder *b, uint32_t v)
+{
+    const size_t begin = b->cell_starts[v], end = b->cell_starts[v + 1];
+    if (begin == end || end - begin > SPH__CAP_DEGREE) return false;
+    for (size_t i = begin; i < end; ++i) {
+        uint32_t next, previous, came = 0;
+        other_corners(b->cells + 3 * (size_t)b->vertex_cells[i], v, &next, &previous);
+        for (size_t j = begin; j < end; ++j) {
+            uint32_t other_next, other_previous;
+            other_corners(b->cells + 3 * (size_t)b->vertex_cells[j], v, &other_next, &other_previous);
+            came += other_previous == next;
+        }
+        if (came != 1) return false;
+    }
+    return true;
+}
+
+double sph__add_cap(const sph__builder *b, uint32_t v, float *block)
+{
+    const double radius = SPH__CAP_RADIUS * b->h->bounding_diagonal;
+    return is_closed_around(b, v) ? add_cap(b, v, 2 * radius * radius, block) : 0;
+}
