@@ -152,7 +152,7 @@ END_TEST
 START_TEST(random_decimals_of_any_length_are_read_as_strtof_reads_them)
 {
     uint64_t state = 1;
-    for (int i = 0; i < 200000; ++i) {
+    for (int i = 0; i < 100000; ++i) {
         char text[80];
         const unsigned digits = 1 + test_random(&state) % 40, point = test_random(&state) % (digits + 1);
         unsigned length = 0;
@@ -203,7 +203,7 @@ static void check_written(uint32_t bits)
 START_TEST(every_float_reads_back_as_it_was_written)
 {
     uint64_t state = 3;
-    for (int i = 0; i < 300000; ++i)
+    for (int i = 0; i < 150000; ++i)
         check_written((uint32_t)test_random(&state) & 0xFF7FFFFF);
     for (uint32_t i = 0; i < 2000; ++i)
         check_written(i); /* the least */
