@@ -61,6 +61,7 @@ typedef struct sph__builder {
     size_t stride, node_floats; /* node_floats = 3 * stride */
     double radius_factor;
     double coherence;
+    int size_exponent, weight_exponent; /* the input's size and weights are 2^ these times those computed with */
 
     uint32_t *cells;      /* triangles of the input, wound outward; 3 indices each */
     size_t cell_count;
@@ -104,12 +105,16 @@ static inline float *sph__node_center(const sph__builder *b, uint32_t node)
 }
 
 /* Steps, in order. */
-sph_status sph__load_frames(sph__builder *b);
+sph_status sph__load_frames(sph__builder *b); /* ends with sph__normalise_size */
 sph_status sph__make_cells(sph__builder *b);
 sph_status sph__make_importance(sph__builder *b);
 sph_status sph__make_leaves(sph__builder *b);
 sph_status sph__make_widths(sph__builder *b);
 sph_status sph__decimate(sph__builder *b);
+void sph__restore_size(sph__builder *b);
+
+/* `largest`: of all coordinates, without sign. */
+void sph__normalise_size(sph__builder *b, double largest);
 /* Appends the simplices of `node`, just born, to the records. */
 sph_status sph__record_births(sph__builder *b, uint32_t node);
 /* The same for all leaves, before decimation. */

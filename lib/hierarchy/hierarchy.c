@@ -135,6 +135,7 @@ static sph_status run_steps(sph__builder *b)
     b->h->triangle_others = b->births.triangles;
     b->births = (sph__births){0};
     if (b->h->first_forced == SPH__NO_NODE) b->h->first_forced = b->h->collapse_count;
+    sph__restore_size(b);
     status = sph__hierarchy_list_roots(b->h);
     return status != SPH_OK ? status : sph__progress_report(&b->progress, "decimation", 1);
 }

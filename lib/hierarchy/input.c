@@ -4,15 +4,18 @@
 
 #include "hierarchy/build.h"
 
-/* Coordinates beyond this could overflow when their differences are squared and multiplied in 32 bits. */
-#define COORDINATE_LIMIT 1e9f
+/* The squares of coordinates, and of their differences, stay within 32 bits. */
+#define COORDINATE_LIMIT 1e18f
 
-static sph_status check_limit(const sph__builder *b, uint32_t frame, const float *xyz)
+static sph_status check_limit(const sph__builder *b, uint32_t frame, const float *xyz, float *largest)
 {
-    for (size_t i = 0; i < 3 * (size_t)b->n; ++i)
-        if (fabsf(xyz[i]) > COORDINATE_LIMIT)
+    for (size_t i = 0; i < 3 * (size_t)b->n; ++i) {
+        const float size = fabsf(xyz[i]);
+        if (size > COORDINATE_LIMIT)
             return sph__fail(b->context, SPH_E_INVALID, "frame %u, vertex %zu: coordinate %g is beyond +-%g", frame, i / 3,
                              (double)xyz[i], (double)COORDINATE_LIMIT);
+        *largest = size > *largest ? size : *largest;
+    }
     return SPH_OK;
 }
 
@@ -43,6 +46,7 @@ static void scatter_frame(sph__builder *b, uint32_t frame, const float *xyz)
 sph_status sph__load_frames(sph__builder *b)
 {
     float *scratch;
+    float largest = 0;
     double diagonals = 0;
     sph_status status = sph__animation_scratch(b->animation, &scratch);
     for (uint32_t f = 0; f < b->frames && status == SPH_OK; ++f) {
@@ -50,17 +54,19 @@ sph_status sph__load_frames(sph__builder *b)
         status = sph__progress_report(&b->progress, "frames", (double)f / b->frames);
         if (status == SPH_OK) status = sph__animation_frame(b->animation, f, scratch, &xyz);
         if (status == SPH_OK) status = sph__check_finite(b->context, f, xyz, b->n);
-        if (status == SPH_OK) status = check_limit(b, f, xyz);
+        if (status == SPH_OK) status = check_limit(b, f, xyz, &largest);
         if (status != SPH_OK) break;
         scatter_frame(b, f, xyz);
         diagonals += frame_diagonal(xyz, b->n);
     }
     b->h->bounding_diagonal = diagonals / b->frames;
     sph__free(b->context, scratch);
+    if (status != SPH_OK) return status;
     /* Padding: zeros, so that its matrices are zero. */
     for (size_t row = 0; row < 3 * (size_t)b->n; ++row)
         for (size_t f = b->frames; f < b->stride; ++f) b->h->centers[row * b->stride + f] = 0;
-    return status;
+    sph__normalise_size(b, (double)largest);
+    return SPH_OK;
 }
 
 static sph_status list_cells(sph__builder *b)
