@@ -160,7 +160,8 @@ sph_status sph_hierarchy_create(const sph_animation *animation, const sph_hierar
     b.stride = ((size_t)b.frames + SPH__LANES - 1) / SPH__LANES * SPH__LANES;
     b.node_floats = 3 * b.stride;
     b.radius_factor = b.options.radius_factor;
-    b.coherence = b.options.temporal_coherence;
+    /* Beyond this nothing changes but the rounding, until products of three overflow. */
+    b.coherence = fmin(b.options.temporal_coherence, 1e12);
     b.direction_count = b.options.width_directions;
     sph__progress_begin(&b.progress, b.context);
     status = run_steps(&b);
