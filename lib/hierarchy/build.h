@@ -31,6 +31,8 @@ typedef struct sph__slot {
     double w, b, c;
     double width;                /* lower bound of the region's width; exact where width_exact */
     uint32_t width_direction, width_frame; /* where the region is thin: gives an upper bound for unions */
+    double thin_low, thin_high;            /* the region's extent there */
+    size_t cells;                          /* of its vertices: what it costs to look at an extent */
 } sph__slot;
 
 /* The state of an edge in the queue. */

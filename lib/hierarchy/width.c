@@ -151,22 +151,23 @@ static void widen_region_in_frame(sph__builder *b, const sph__slot *slot, uint32
     }
 }
 
-static double union_extent_in_frame(sph__builder *b, const sph__slot *u, const sph__slot *v, uint32_t frame,
-                                    uint32_t direction)
+/* An upper bound for the union, where u is thin. Only v is looked at. */
+static double width_bound_along(sph__builder *b, const sph__slot *u, const sph__slot *v)
 {
-    double low = INFINITY, high = -INFINITY;
-    widen_region_in_frame(b, u, frame, b->directions[direction], &low, &high);
-    if (v != NULL) widen_region_in_frame(b, v, frame, b->directions[direction], &low, &high);
+    double low = u->thin_low, high = u->thin_high;
+    widen_region_in_frame(b, v, u->width_frame, b->directions[u->width_direction], &low, &high);
     return high - low;
 }
 
 /* Rounding of an upper bound must not take it below what the exact search finds. */
 #define BOUND_SLACK (1 + 1e-6)
+/* Looking at a region that is so many times larger than the other would cost more than the better bound is worth. */
+enum { UNBALANCED = 8 };
 
 double sph__union_width_bound(sph__builder *b, const sph__slot *u, const sph__slot *v)
 {
-    const double x = union_extent_in_frame(b, u, v, u->width_frame, u->width_direction);
-    const double y = union_extent_in_frame(b, u, v, v->width_frame, v->width_direction);
+    const double x = v->cells / UNBALANCED > u->cells ? INFINITY : width_bound_along(b, u, v);
+    const double y = u->cells / UNBALANCED > v->cells ? INFINITY : width_bound_along(b, v, u);
     return (x < y ? x : y) * BOUND_SLACK;
 }
 
@@ -243,19 +244,30 @@ void sph__union_frame_widths(sph__builder *b, const sph__slot *u, const sph__slo
     }
 }
 
+/* Where the union is thin, into u: as the exact search found it, else where the larger region is, which so is not looked at. */
+static void unite_thin_extents(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate)
+{
+    const bool exact = candidate->exact && candidate->width > 0;
+    const sph__slot *larger = v->cells > u->cells ? v : u, *smaller = larger == u ? v : u;
+    const uint32_t direction = exact ? candidate->width_direction : larger->width_direction;
+    const uint32_t frame = exact ? candidate->width_frame : larger->width_frame;
+    double low = exact ? INFINITY : larger->thin_low, high = exact ? -INFINITY : larger->thin_high;
+    if (exact) widen_region_in_frame(b, larger, frame, b->directions[direction], &low, &high);
+    widen_region_in_frame(b, smaller, frame, b->directions[direction], &low, &high);
+    u->width = exact ? candidate->width : u->width > v->width ? u->width : v->width;
+    u->width_direction = direction;
+    u->width_frame = frame;
+    u->thin_low = low;
+    u->thin_high = high;
+}
+
 void sph__unite_width_bounds(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate)
 {
     float *low = b->width_bounds + (u - b->slots) * (size_t)b->direction_count;
     const float *low_v = b->width_bounds + (v - b->slots) * (size_t)b->direction_count;
-    if (candidate->exact && candidate->width > 0) {
-        u->width = candidate->width;
-        u->width_direction = candidate->width_direction;
-        u->width_frame = candidate->width_frame;
-    } else if (v->width > u->width) {
-        u->width = v->width;
-        u->width_direction = v->width_direction;
-        u->width_frame = v->width_frame;
-    }
+    if (b->options.radius_mode != SPH_RADIUS_CONSTANT) return;
+    unite_thin_extents(b, u, v, candidate);
+    u->cells += v->cells;
     for (uint32_t j = 0; j < b->direction_count; ++j) {
         float bound = low[j] > low_v[j] ? low[j] : low_v[j];
         if ((double)bound < u->width * (1 - 1e-6)) bound = (float)(u->width * (1 - 1e-6));
@@ -276,11 +288,15 @@ sph_status sph__make_widths(sph__builder *b)
     for (uint32_t v = 0; v < b->n; ++v) {
         sph__slot *slot = &b->slots[v];
         double least = INFINITY;
+        slot->cells = b->cell_starts[v + 1] - b->cell_starts[v] + 1;
         for (uint32_t j = 0; j < b->direction_count; ++j) {
-            const double extent = union_extent_in_frame(b, slot, NULL, 0, j);
-            if (extent < least) {
-                least = extent;
+            double low = INFINITY, high = -INFINITY;
+            widen_region_in_frame(b, slot, 0, b->directions[j], &low, &high);
+            if (high - low < least) {
+                least = high - low;
                 slot->width_direction = j;
+                slot->thin_low = low;
+                slot->thin_high = high;
             }
         }
     }
