@@ -14,38 +14,41 @@
 #define TWO_PI 6.283185307179586
 #define HALF_PI 1.5707963267948966
 
-SPH__INLINE sph__v8d root_of(sph__v8d x)
+#define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
+
+SPH__INLINE void take_root(sph__v8d *x)
 {
-    sph__v8d y;
-    for (size_t l = 0; l < SPH__LANES; ++l) y[l] = sqrt(x[l]);
-    return y;
+    for (size_t l = 0; l < SPH__LANES; ++l) (*x)[l] = sqrt((*x)[l]);
 }
 
-/* The angle of (x, y), y >= 0, in [0, pi]; by halving the angle twice, and then its series, to 1e-9: no library
- * function, so the same bits everywhere. 0 for the zero vector. */
-SPH__INLINE sph__v8d angle_of(sph__v8d x, sph__v8d y)
+/* The tangent of half the angle whose tangent is *t. */
+SPH__INLINE void halve(sph__v8d *t)
 {
-    const sph__v8d size = sph__select(x < 0, -x, x);
-    const sph__v8i steep = y > size;
-    const sph__v8d high = sph__select(steep, y, size), low = sph__select(steep, size, y);
+    sph__v8d root = 1.0 + *t * *t;
+    take_root(&root);
+    *t = *t / (1.0 + root);
+}
+
+/* Adds the angle of (x, y), y >= 0, in [0, pi]; by halving the angle twice, and then its series, to 1e-9: no library
+ * function, so the same bits everywhere. 0 for the zero vector. */
+SPH__INLINE void add_angle(const sph__v8d *x, const sph__v8d *y, sph__v8d *sum)
+{
+    const sph__v8d size = sph__select(*x < 0, -*x, *x);
+    const sph__v8i steep = *y > size;
+    const sph__v8d high = sph__select(steep, *y, size), low = sph__select(steep, size, *y);
     sph__v8d t = sph__select(high > 0, low / high, high), t2, a;
-    t = t / (1.0 + root_of(1.0 + t * t));
-    t = t / (1.0 + root_of(1.0 + t * t));
+    halve(&t);
+    halve(&t);
     t2 = t * t;
     a = 4.0 * t *
         (1.0 - t2 * (1.0 / 3 - t2 * (1.0 / 5 - t2 * (1.0 / 7 - t2 * (1.0 / 9 - t2 * (1.0 / 11 - t2 * (1.0 / 13)))))));
     a = sph__select(steep, HALF_PI - a, a);
-    return sph__select(x < 0, 2 * HALF_PI - a, a);
+    *sum += sph__select(*x < 0, 2 * HALF_PI - a, a);
 }
 
 SPH__INLINE void subtract(const float *q, const float *p, size_t s, size_t i, sph__v8d e[3])
 {
     for (size_t k = 0; k < 3; ++k) e[k] = sph__load(q, k * s + i) - sph__load(p, k * s + i);
-}
-
-SPH__INLINE sph__v8d dot(const sph__v8d a[3], const sph__v8d b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 static void other_corners(const uint32_t *corner, uint32_t v, uint32_t *next, uint32_t *previous)
@@ -56,23 +59,25 @@ static void other_corners(const uint32_t *corner, uint32_t v, uint32_t *next, ui
 }
 
 /* Eight frames of the sum of angles around v. */
-SPH__INLINE sph__v8d sum_angles(const sph__builder *b, uint32_t v, size_t i)
+SPH__INLINE void sum_angles(const sph__builder *b, uint32_t v, size_t i, sph__v8d *angles)
 {
     const size_t s = b->stride;
     const float *p = sph__node_center(b, v);
-    sph__v8d angles = {0};
+    *angles = (sph__v8d){0};
     for (size_t c = b->cell_starts[v]; c < b->cell_starts[v + 1]; ++c) {
         uint32_t next, previous;
-        sph__v8d e[3], f[3], n[3];
+        sph__v8d e[3], f[3], n[3], cosine, sine;
         other_corners(b->cells + 3 * (size_t)b->vertex_cells[c], v, &next, &previous);
         subtract(sph__node_center(b, next), p, s, i, e);
         subtract(sph__node_center(b, previous), p, s, i, f);
         n[0] = e[1] * f[2] - e[2] * f[1];
         n[1] = e[2] * f[0] - e[0] * f[2];
         n[2] = e[0] * f[1] - e[1] * f[0];
-        angles += angle_of(dot(e, f), root_of(dot(n, n)));
+        cosine = DOT(e, f);
+        sine = DOT(n, n);
+        take_root(&sine);
+        add_angle(&cosine, &sine, angles);
     }
-    return angles;
 }
 
 SPH__CLONES static double add_cap(const sph__builder *b, uint32_t v, double weight, float *block)
@@ -80,10 +85,11 @@ SPH__CLONES static double add_cap(const sph__builder *b, uint32_t v, double weig
     const size_t s = b->stride;
     sph__v8d total = {0};
     for (size_t i = 0; i < s; i += SPH__LANES) {
-        const sph__v8d angles = sum_angles(b, v, i);
-        sph__v8d n[3], length, w;
+        sph__v8d angles, n[3], length, w;
+        sum_angles(b, v, i, &angles);
         for (size_t k = 0; k < 3; ++k) n[k] = sph__load(block, (SPH__N0 + k) * s + i);
-        length = root_of(dot(n, n));
+        length = DOT(n, n);
+        take_root(&length);
         /* no angle at all is no tip but a vertex whose triangles have collapsed */
         w = sph__select((length > 0) & (angles > 0) & (angles < TWO_PI), weight * (TWO_PI - angles), angles * 0);
         for (size_t k = 0; k < 3; ++k) n[k] = sph__select(length > 0, n[k] / length, length);
