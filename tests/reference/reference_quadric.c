@@ -202,7 +202,7 @@ void reference_quadric_minimise(const struct reference_quadric *quadrics, size_t
                                 real radius_max, struct reference_minimum *minimum, real (*centers)[3])
 {
     struct plane_problem p = {.radius_max = radius_max};
-    real solution[2];
+    real solution[2] = {0, 0};
     reduce(quadrics, count, u, v, &p);
     minimise_on_box(&p, solution);
     *minimum = (struct reference_minimum){.lambda = solution[0], .radius = solution[1]};
