@@ -12,7 +12,7 @@ test_packages=(
     liblapacke-dev        # the oracle of lib/numeric
     libjansson-dev libopenmesh-dev # the oracles of lib/io
     libcgal-dev           # the oracle of distances to meshes
-    python3               # scripts/check_*.py, count_tests.py
+    python3               # the tests of the program, and scripts/*.py
 )
 
 case "${1-}" in

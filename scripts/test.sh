@@ -196,7 +196,11 @@ fi
 if wanted threads; then
     say "thread sanitizer"
     export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
-    build threads -Db_sanitize=thread -Db_lundef=false -Doptimization=1 && run threads --timeout-multiplier 4
+    if build threads -Db_sanitize=thread -Db_lundef=false -Doptimization=1; then
+        run threads --timeout-multiplier 4 --no-suite serial --no-suite io --no-suite cli --no-suite reference
+        check "the program's threads do not race" "$work/threads/src/sphmesh" demo --quiet --resolution 32 \
+            --frame-count 4 --samples 100 --threads 4 -o "$work/race"
+    fi
 fi
 
 if wanted install; then
