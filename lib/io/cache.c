@@ -5,21 +5,12 @@
  */
 #include <string.h>
 
+#include "io/bytes.h"
 #include "io/io.h"
 
 enum { PC2_HEADER = 32, MDD_HEADER = 8, VERTEX_SIZE = 12, PC2_VERSION = 1 };
 
 static const char PC2_MAGIC[12] = "POINTCACHE2";
-
-static uint32_t read_little(const unsigned char *p)
-{
-    return p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
-}
-
-static uint32_t read_big(const unsigned char *p)
-{
-    return p[3] | (uint32_t)p[2] << 8 | (uint32_t)p[1] << 16 | (uint32_t)p[0] << 24;
-}
 
 static bool is_pc2(const sph__io_map *map)
 {
@@ -37,8 +28,8 @@ static bool is_mdd(const sph__io_map *map)
 {
     uint32_t frames, points;
     if (map->size < MDD_HEADER) return false;
-    frames = read_big(map->bytes);
-    points = read_big(map->bytes + 4);
+    frames = sph__io_load_32(map->bytes, true);
+    points = sph__io_load_32(map->bytes + 4, true);
     return frames >= 1 && frames <= INT32_MAX && points >= 1 && points <= INT32_MAX &&
            mdd_size(frames, points) == map->size;
 }
@@ -67,11 +58,11 @@ static sph_status open_pc2(sph_context *context, const char *path, sph__io_cache
     if (map->size < PC2_HEADER)
         return sph__io_fail(context, SPH_E_FORMAT, "%s: ends at byte %zu, within the header of %d bytes",
                             sph__io_shown(path), map->size, PC2_HEADER);
-    if (read_little(map->bytes + 12) != PC2_VERSION)
+    if (sph__io_load_32(map->bytes + 12, false) != PC2_VERSION)
         return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: byte 12: PC2 version %d, only %d is known",
-                            sph__io_shown(path), (int)(int32_t)read_little(map->bytes + 12), PC2_VERSION);
-    cache->vertex_count = read_little(map->bytes + 16);
-    cache->frame_count = read_little(map->bytes + 28);
+                            sph__io_shown(path), (int)(int32_t)sph__io_load_32(map->bytes + 12, false), PC2_VERSION);
+    cache->vertex_count = sph__io_load_32(map->bytes + 16, false);
+    cache->frame_count = sph__io_load_32(map->bytes + 28, false);
     cache->offset = PC2_HEADER;
     status = check_counts(context, path, (int32_t)cache->vertex_count, (int32_t)cache->frame_count);
     if (status != SPH_OK) return status;
@@ -93,8 +84,8 @@ static sph_status open_mdd(sph_context *context, const char *path, sph__io_cache
     if (map->size < MDD_HEADER)
         return sph__io_fail(context, SPH_E_FORMAT, "%s: ends at byte %zu, within the header of %d bytes",
                             sph__io_shown(path), map->size, MDD_HEADER);
-    cache->frame_count = read_big(map->bytes);
-    cache->vertex_count = read_big(map->bytes + 4);
+    cache->frame_count = sph__io_load_32(map->bytes, true);
+    cache->vertex_count = sph__io_load_32(map->bytes + 4, true);
     cache->offset = MDD_HEADER + 4 * (size_t)cache->frame_count;
     cache->big_endian = true;
     status = check_counts(context, path, (int32_t)cache->vertex_count, (int32_t)cache->frame_count);
@@ -134,9 +125,7 @@ void sph__io_cache_read(const sph__io_cache *cache, uint32_t frame, float *xyz)
 {
     const size_t size = (size_t)cache->vertex_count * VERTEX_SIZE, begin = cache->offset + frame * size;
     const unsigned char *p = cache->map.bytes + begin;
-    for (size_t i = 0; i < 3 * (size_t)cache->vertex_count; ++i) {
-        const uint32_t bits = cache->big_endian ? read_big(p + 4 * i) : read_little(p + 4 * i);
-        memcpy(xyz + i, &bits, sizeof bits);
-    }
+    for (size_t i = 0; i < 3 * (size_t)cache->vertex_count; ++i)
+        xyz[i] = sph__io_load_float(p + 4 * i, cache->big_endian);
     sph__io_map_drop(&cache->map, begin, begin + size);
 }

@@ -58,6 +58,11 @@ typedef struct sph__io_mesh {
     uint32_t *edges;      /* [edge_count][2] */
     size_t vertex_count, triangle_count, edge_count;
     size_t vertex_capacity, triangle_capacity, edge_capacity;
+    bool binary;             /* places in the file are bytes, not lines */
+    uint32_t first_index;    /* what the file calls the first vertex */
+    uint32_t *corners;       /* where vertices were made by welding: the first corner of each */
+    struct sph__io_mesh *to; /* the first mesh of the sequence that this one belongs to; NULL: it is the first */
+    bool apart;              /* it has been said that welded corners come apart in a later mesh */
 } sph__io_mesh;
 void sph__io_mesh_release(sph__io_mesh *mesh);
 

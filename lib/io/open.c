@@ -89,28 +89,29 @@ static void transform(const source *s, size_t vertex_count, float *xyz)
             xyz[i] = (float)(xyz[i] * scale);
 }
 
-/* The line of a triangle, by reading the file once more; 0 where that fails. */
-static size_t find_line(source *s, const char *path, size_t triangle)
+/* The line or byte of a triangle, by reading the file once more; 0 where that fails. */
+static size_t find_place(source *s, const char *path, size_t triangle)
 {
-    size_t line = triangle;
-    return sph__io_read_mesh(path, &s->scratch, &line) == SPH_OK ? line : 0;
+    size_t place = triangle;
+    return sph__io_read_mesh(path, &s->scratch, &place) == SPH_OK ? place : 0;
 }
 
 static sph_status check_triangles(source *s, const char *path)
 {
     const sph__io_mesh *a = &s->first, *b = &s->scratch;
-    size_t i = 0, j;
+    const uint32_t base = b->first_index;
     uint32_t corners[3];
+    size_t i = 0, j;
     if (memcmp(a->triangles, b->triangles, 3 * sizeof(uint32_t) * a->triangle_count) == 0) return SPH_OK;
     while (a->triangles[i] == b->triangles[i])
         ++i;
     j = i / 3;
     memcpy(corners, b->triangles + 3 * j, sizeof corners);
-    return sph__io_fail(s->context, SPH_E_FORMAT, "%s: line %zu: triangle %zu is (%u %u %u), but (%u %u %u) in %s",
-                        sph__io_shown(path), find_line(s, path, j), j, (unsigned)corners[0] + 1,
-                        (unsigned)corners[1] + 1, (unsigned)corners[2] + 1, (unsigned)a->triangles[3 * j] + 1,
-                        (unsigned)a->triangles[3 * j + 1] + 1, (unsigned)a->triangles[3 * j + 2] + 1,
-                        sph__io_shown(s->names.names[0]));
+    return sph__io_fail(s->context, SPH_E_FORMAT, "%s: %s %zu: triangle %zu is (%u %u %u), but (%u %u %u) in %s",
+                        sph__io_shown(path), b->binary ? "byte" : "line", find_place(s, path, j), j,
+                        (unsigned)(corners[0] + base), (unsigned)(corners[1] + base), (unsigned)(corners[2] + base),
+                        (unsigned)(a->triangles[3 * j] + base), (unsigned)(a->triangles[3 * j + 1] + base),
+                        (unsigned)(a->triangles[3 * j + 2] + base), sph__io_shown(s->names.names[0]));
 }
 
 static sph_status fail_count(source *s, const char *path, size_t count, const char *what, size_t first)
@@ -202,6 +203,7 @@ static sph_status open_sequence(source *s)
 {
     sph_status status = select_names(s);
     if (status == SPH_OK) status = sph__io_read_mesh(s->names.names[0], &s->first, NULL);
+    s->scratch.to = &s->first;
     for (size_t i = 1; i < s->names.count && status == SPH_OK; ++i) {
         status = sph_context_report_progress(s->context, "opening files", (double)i / (double)s->names.count);
         if (status == SPH_OK) status = read_like_first(s, s->names.names[i]);

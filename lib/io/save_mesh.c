@@ -3,29 +3,17 @@
 #include <math.h>
 #include <string.h>
 
+#include "io/bytes.h"
 #include "io/io.h"
-
-static void write_little(unsigned char *p, uint32_t value)
-{
-    for (unsigned i = 0; i < 4; ++i)
-        p[i] = (unsigned char)(value >> 8 * i);
-}
-
-static uint32_t float_bits(float value)
-{
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-}
 
 static void write_pc2_header(sph__io_output *o, const sph_animation *animation, float first_frame, float sampling)
 {
     unsigned char header[32] = "POINTCACHE2";
-    write_little(header + 12, 1);
-    write_little(header + 16, sph_animation_vertex_count(animation));
-    write_little(header + 20, float_bits(first_frame));
-    write_little(header + 24, float_bits(sampling));
-    write_little(header + 28, sph_animation_frame_count(animation));
+    sph__io_store_32(header + 12, 1, false);
+    sph__io_store_32(header + 16, sph_animation_vertex_count(animation), false);
+    sph__io_store_float(header + 20, first_frame, false);
+    sph__io_store_float(header + 24, sampling, false);
+    sph__io_store_32(header + 28, sph_animation_frame_count(animation), false);
     sph__io_output_bytes(o, header, sizeof header);
 }
 
@@ -33,7 +21,7 @@ static void write_pc2_frame(sph__io_output *o, const float *xyz, size_t vertex_c
 {
     for (size_t i = 0; i < 3 * vertex_count; ++i) {
         unsigned char bytes[4];
-        write_little(bytes, float_bits(xyz[i]));
+        sph__io_store_float(bytes, xyz[i], false);
         sph__io_output_bytes(o, bytes, sizeof bytes);
     }
 }

@@ -92,11 +92,3 @@ bool sph__io_has_ending(const char *path, const char *ending)
         if (lower(path[length - size + i]) != lower(ending[i])) return false;
     return true;
 }
-
-void sph__io_mesh_release(sph__io_mesh *mesh)
-{
-    sph_context_release(mesh->context, mesh->positions);
-    sph_context_release(mesh->context, mesh->triangles);
-    sph_context_release(mesh->context, mesh->edges);
-    *mesh = (sph__io_mesh){.context = mesh->context};
-}
