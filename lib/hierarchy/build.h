@@ -29,17 +29,13 @@ typedef struct sph__slot {
     uint32_t first, last, count; /* the region's vertices: a chain through sph__builder.next_member */
     float *block;                /* NULL: not made yet */
     double w, b, c;
-    double width;                /* lower bound of the region's width; exact where width_exact */
-    uint32_t width_direction, width_frame; /* where the region is thin: gives an upper bound for unions */
-    double thin_low, thin_high;            /* the region's extent there */
-    size_t cells;                          /* of its vertices: what it costs to look at an extent */
+    double width;                /* lower bound of the region's width */
 } sph__slot;
 
 /* The state of an edge in the queue. */
 typedef struct sph__candidate {
     double lambda, radius;
-    double width;                          /* of the union; valid where exact */
-    uint32_t width_direction, width_frame; /* of the union; valid where exact */
+    double width;    /* of the union where it was needed, else 0 */
     uint8_t exact;   /* cost is that of the exact radius bound; else a lower bound of it */
     uint8_t refused; /* inverts triangles */
 } sph__candidate;
@@ -76,11 +72,22 @@ typedef struct sph__builder {
 
     double (*directions)[3];
     uint32_t direction_count;
-    float *width_bounds;  /* [n][direction_count] by slot: lower bounds over frames of the extents */
+    double *direction_rows;      /* [3][direction_stride] the same, padded */
+    size_t direction_stride;
+    uint32_t probe_frames;       /* frames whose extents are kept */
+    size_t probe_count;          /* probe_frames * direction_stride */
+    double *probes;              /* [n][2][probe_count] by slot: low and high ends of the extents */
+    float *width_bounds;         /* [n][direction_count] by slot: lower bounds over frames of the extents */
+    double *least;               /* [direction_count] lower bounds that the last union's width came with, */
+    const struct sph__candidate *least_of; /* and whose it was */
+    uint32_t (*points)[3];       /* of a union: vertices whose mean is the point; SPH__NO_NODE last: of two only */
+    size_t point_capacity, spread_stride;
+    double *placed;              /* [points][3][lanes] */
+    size_t placed_capacity;
+    uint8_t *cell_open;          /* [n]: the triangles do not close around the vertex */
     uint32_t *next_member; /* [n] */
     uint32_t *member_stamps; /* [n] */
     uint32_t stamp;
-    double *extent_low, *extent_high; /* [stride] scratch */
 
     sph__blocks blocks;
     sph__slot *slots;     /* [n] */
@@ -106,6 +113,18 @@ static inline float *sph__node_center(const sph__builder *b, uint32_t node)
     return b->h->centers + node * b->node_floats;
 }
 
+/* Around a vertex of more triangles they count as not closed: finding out would take the square of their number. */
+enum { SPH__FAN_LIMIT = 1024 };
+
+/* The other corners of the cell at place `at` of vertex_cells, v's, in the order of its winding. */
+static inline void sph__cell_others(const sph__builder *b, size_t at, uint32_t v, uint32_t *next, uint32_t *previous)
+{
+    const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[at];
+    const unsigned k = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
+    *next = corner[(k + 1) % 3];
+    *previous = corner[(k + 2) % 3];
+}
+
 /* Steps, in order. */
 sph_status sph__load_frames(sph__builder *b); /* ends with sph__normalise_size */
 sph_status sph__make_cells(sph__builder *b);
@@ -127,24 +146,20 @@ sph_status sph__record_leaves(sph__builder *b);
  * adds to W. The radius is in bounding-box diagonals.
  */
 #define SPH__CAP_RADIUS 0.04
-enum { SPH__CAP_DEGREE = 1024 }; /* vertices of more triangles are left out */
 double sph__add_cap(const sph__builder *b, uint32_t v, float *block);
 
 /* The region as the kernels want it. */
 sph__region sph__region_of(const sph__builder *b, uint32_t node);
 
-/*
- * Exact width of the union of two regions, where it is thin, and bounds per direction for the union (which may be the
- * array of either; NULL: not wanted).
- */
-void sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot *v, sph__candidate *candidate);
+/* Exact width of the union of two regions, into the candidate. */
+sph_status sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot *v, sph__candidate *candidate);
 /* An upper bound of it that costs little. */
-double sph__union_width_bound(sph__builder *b, const sph__slot *u, const sph__slot *v);
-/* The union's bounds, into u's. */
-void sph__unite_width_bounds(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate);
+double sph__union_width_bound(const sph__builder *b, const sph__slot *u, const sph__slot *v);
+/* What is known of the union's extents, into u's rows. */
+void sph__unite_widths(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate);
 
 /* Exact widths of the union of two regions in every frame. */
-void sph__union_frame_widths(sph__builder *b, const sph__slot *u, const sph__slot *v, double *widths);
+sph_status sph__union_frame_widths(sph__builder *b, const sph__slot *u, const sph__slot *v, double *widths);
 
 /* Radii per frame. Blocks have FRAME_ROWS more rows: W, B and c of each frame. */
 enum { SPH__FRAME_ROWS = 3 };

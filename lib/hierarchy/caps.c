@@ -51,13 +51,6 @@ SPH__INLINE void subtract(const float *q, const float *p, size_t s, size_t i, sp
     for (size_t k = 0; k < 3; ++k) e[k] = sph__load(q, k * s + i) - sph__load(p, k * s + i);
 }
 
-static void other_corners(const uint32_t *corner, uint32_t v, uint32_t *next, uint32_t *previous)
-{
-    const unsigned at = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
-    *next = corner[(at + 1) % 3];
-    *previous = corner[(at + 2) % 3];
-}
-
 /* Eight frames of the sum of angles around v. */
 SPH__INLINE void sum_angles(const sph__builder *b, uint32_t v, size_t i, sph__v8d *angles)
 {
@@ -67,7 +60,7 @@ SPH__INLINE void sum_angles(const sph__builder *b, uint32_t v, size_t i, sph__v8
     for (size_t c = b->cell_starts[v]; c < b->cell_starts[v + 1]; ++c) {
         uint32_t next, previous;
         sph__v8d e[3], f[3], n[3], cosine, sine;
-        other_corners(b->cells + 3 * (size_t)b->vertex_cells[c], v, &next, &previous);
+        sph__cell_others(b, c, v, &next, &previous);
         subtract(sph__node_center(b, next), p, s, i, e);
         subtract(sph__node_center(b, previous), p, s, i, f);
         n[0] = e[1] * f[2] - e[2] * f[1];
@@ -106,26 +99,8 @@ SPH__CLONES static double add_cap(const sph__builder *b, uint32_t v, double weig
     return sph__sum(total);
 }
 
-/* Whether the triangles close around v: each edge that one leaves by, exactly one comes in by. Else its angles say nothing. */
-static bool is_closed_around(const sph__builder *b, uint32_t v)
-{
-    const size_t begin = b->cell_starts[v], end = b->cell_starts[v + 1];
-    if (begin == end || end - begin > SPH__CAP_DEGREE) return false;
-    for (size_t i = begin; i < end; ++i) {
-        uint32_t next, previous, came = 0;
-        other_corners(b->cells + 3 * (size_t)b->vertex_cells[i], v, &next, &previous);
-        for (size_t j = begin; j < end; ++j) {
-            uint32_t other_next, other_previous;
-            other_corners(b->cells + 3 * (size_t)b->vertex_cells[j], v, &other_next, &other_previous);
-            came += other_previous == next;
-        }
-        if (came != 1) return false;
-    }
-    return true;
-}
-
 double sph__add_cap(const sph__builder *b, uint32_t v, float *block)
 {
     const double radius = SPH__CAP_RADIUS * b->h->bounding_diagonal;
-    return is_closed_around(b, v) ? add_cap(b, v, 2 * radius * radius, block) : 0;
+    return !b->cell_open[v] ? add_cap(b, v, 2 * radius * radius, block) : 0;
 }

@@ -54,6 +54,7 @@ static double evaluate(sph__builder *b, uint32_t edge, sph__candidate *candidate
     double lower, upper;
     edge_ends(b, edge, &nu, &nv);
     *candidate = (sph__candidate){.exact = 1};
+    if (b->least_of == candidate) b->least_of = NULL;
     if (b->h->radii_per_frame) {
         candidate->exact = 0;
         return sph__per_frame_cost(b, nu, nv, NULL);
@@ -68,9 +69,10 @@ static double evaluate(sph__builder *b, uint32_t edge, sph__candidate *candidate
         lower = b->radius_factor * (su->width > sv->width ? su->width : sv->width);
         minimum = sph__sums_minimize(&sums, u.radius, INFINITY);
         if (minimum.radius > lower) {
-            upper = b->radius_factor * sph__union_width_bound(b, su, sv);
-            minimum = sph__sums_minimize(&sums, u.radius, upper);
-            candidate->exact = 0;
+            upper = sph__union_width_bound(b, su, sv);
+            minimum = sph__sums_minimize(&sums, u.radius, b->radius_factor * upper);
+            candidate->exact = b->probe_frames == b->frames; /* then the bound is the width */
+            candidate->width = candidate->exact ? upper : 0;
         }
     }
     candidate->lambda = minimum.lambda;
@@ -78,27 +80,32 @@ static double evaluate(sph__builder *b, uint32_t edge, sph__candidate *candidate
     return minimum.cost;
 }
 
-static double evaluate_exactly(sph__builder *b, uint32_t edge, sph__candidate *candidate)
+static sph_status evaluate_exactly(sph__builder *b, uint32_t edge, sph__candidate *candidate, double *cost)
 {
     uint32_t nu, nv;
     sph__region u, v;
     sph__sums sums;
     sph__minimum minimum;
+    sph_status status;
     edge_ends(b, edge, &nu, &nv);
     candidate->exact = 1;
     if (b->h->radii_per_frame) {
-        sph__union_frame_widths(b, slot_of(b, nu), slot_of(b, nv), b->union_widths);
+        status = sph__union_frame_widths(b, slot_of(b, nu), slot_of(b, nv), b->union_widths);
+        if (status != SPH_OK) return status;
         b->exact_edge = edge;
-        return sph__per_frame_cost(b, nu, nv, b->union_widths);
+        *cost = sph__per_frame_cost(b, nu, nv, b->union_widths);
+        return SPH_OK;
     }
     u = sph__region_of(b, nu);
     v = sph__region_of(b, nv);
     sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
-    sph__union_width(b, slot_of(b, nu), slot_of(b, nv), candidate);
+    status = sph__union_width(b, slot_of(b, nu), slot_of(b, nv), candidate);
+    if (status != SPH_OK) return status;
     minimum = sph__sums_minimize(&sums, u.radius, b->radius_factor * candidate->width);
     candidate->lambda = minimum.lambda;
     candidate->radius = minimum.radius;
-    return minimum.cost;
+    *cost = minimum.cost;
+    return SPH_OK;
 }
 
 static sph_status push(sph__builder *b, uint32_t edge)
@@ -173,7 +180,7 @@ static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint3
     if (su->c < 0) su->c = 0;
     b->live_cost += su->c;
     if (b->means != NULL) sph__kernel_unite_means(u.mean, v.mean, b->stride, (float *)u.mean);
-    sph__unite_width_bounds(b, su, sv, candidate);
+    sph__unite_widths(b, su, sv, candidate);
     b->next_member[su->last] = sv->first;
     su->last = sv->last;
     su->count += sv->count;
@@ -239,25 +246,30 @@ static sph_status next_edge(sph__builder *b, uint32_t *edge, double *cost, bool 
             sph__heap_pop(&b->queue, edge);
             return SPH_OK;
         }
-        *cost = evaluate_exactly(b, *edge, candidate);
+        status = evaluate_exactly(b, *edge, candidate, cost);
+        if (status != SPH_OK) return status;
         status = sph__heap_set(&b->queue, *edge, *cost, edge_tie(b, *edge));
         if (status != SPH_OK) return status;
     }
 }
 
 /* The sphere of an edge whose cost is exact. */
-static void make_sphere(sph__builder *b, uint32_t edge, uint32_t nu, uint32_t nv)
+static sph_status make_sphere(sph__builder *b, uint32_t edge, uint32_t nu, uint32_t nv)
 {
     const sph__candidate *candidate = &b->candidates[edge];
     const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
     if (!b->h->radii_per_frame) {
         sph__kernel_centers(&u, &v, b->stride, b->coherence, candidate->lambda, (double)(float)candidate->radius,
                             b->new_center);
-        return;
+        return SPH_OK;
     }
-    if (b->exact_edge != edge) sph__union_frame_widths(b, slot_of(b, nu), slot_of(b, nv), b->union_widths);
-    b->exact_edge = edge;
+    if (b->exact_edge != edge) {
+        const sph_status status = sph__union_frame_widths(b, slot_of(b, nu), slot_of(b, nv), b->union_widths);
+        if (status != SPH_OK) return status;
+        b->exact_edge = edge;
+    }
     sph__per_frame_sphere(b, nu, nv, b->union_widths);
+    return SPH_OK;
 }
 
 static sph_status step(sph__builder *b)
@@ -271,7 +283,8 @@ static sph_status step(sph__builder *b)
     if (status != SPH_OK) return status;
     candidate = &b->candidates[edge];
     edge_ends(b, edge, &u, &v);
-    make_sphere(b, edge, u, v);
+    status = make_sphere(b, edge, u, v);
+    if (status != SPH_OK) return status;
     if (!forced && (inverts_around(b, u, v) || inverts_around(b, v, u))) {
         candidate->refused = 1;
         return sph__heap_set(&b->refused, edge, cost, edge_tie(b, edge));

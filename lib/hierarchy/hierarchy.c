@@ -10,7 +10,7 @@ static const sph_hierarchy_options DEFAULTS = {.struct_size = sizeof(sph_hierarc
                                                .importance = SPH_IMPORTANCE_CURVATURE,
                                                .radius_mode = SPH_RADIUS_CONSTANT,
                                                .radius_factor = 0.75,
-                                               .width_directions = 30,
+                                               .width_directions = 16,
                                                .orientation = SPH_ORIENTATION_OUTWARD};
 
 void sph_hierarchy_options_init(sph_hierarchy_options *options, size_t size)
@@ -93,8 +93,12 @@ static void free_builder(sph__builder *b)
     sph__free(context, b->width_bounds);
     sph__free(context, b->next_member);
     sph__free(context, b->member_stamps);
-    sph__free(context, b->extent_low);
-    sph__free(context, b->extent_high);
+    sph__free(context, b->direction_rows);
+    sph__free(context, b->probes);
+    sph__free(context, b->least);
+    sph__free(context, b->points);
+    sph__free(context, b->placed);
+    sph__free(context, b->cell_open);
     if (b->blocks.context != NULL) sph__blocks_free(&b->blocks);
     sph__free(context, b->slots);
     sph__free(context, b->slot_of);

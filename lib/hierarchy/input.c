@@ -69,6 +69,24 @@ sph_status sph__load_frames(sph__builder *b)
     return SPH_OK;
 }
 
+/* Whether the triangles close around v: by each edge that one leaves by exactly one comes in. */
+static bool is_closed_around(const sph__builder *b, uint32_t v)
+{
+    const size_t begin = b->cell_starts[v], end = b->cell_starts[v + 1];
+    if (begin == end || end - begin > SPH__FAN_LIMIT) return false;
+    for (size_t i = begin; i < end; ++i) {
+        uint32_t next, previous, came = 0;
+        sph__cell_others(b, i, v, &next, &previous);
+        for (size_t j = begin; j < end; ++j) {
+            uint32_t other_next, other_previous;
+            sph__cell_others(b, j, v, &other_next, &other_previous);
+            came += other_previous == next;
+        }
+        if (came != 1) return false;
+    }
+    return true;
+}
+
 static sph_status list_cells(sph__builder *b)
 {
     b->cell_starts = sph__zalloc(b->context, (size_t)b->n + 1, sizeof *b->cell_starts);
@@ -84,6 +102,9 @@ static sph_status list_cells(sph__builder *b)
         for (unsigned k = 0; k < 3; ++k) b->vertex_cells[b->cell_starts[b->cells[3 * t + k]]++] = (uint32_t)t;
     for (size_t v = b->n; v > 0; --v) b->cell_starts[v] = b->cell_starts[v - 1];
     b->cell_starts[0] = 0;
+    b->cell_open = sph__alloc(b->context, b->n, sizeof *b->cell_open);
+    if (b->cell_open == NULL) return sph__fail_memory(b->context);
+    for (uint32_t v = 0; v < b->n; ++v) b->cell_open[v] = !is_closed_around(b, v);
     return SPH_OK;
 }
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Widths of regions (spec of the radius bound): the least extent of a region's cells over all frames and directions.
+ * Widths of regions (the radius bound): the least extent of a region's cells over all frames and directions.
  *
- * Extents are not kept: they are many times bigger than quadrics. A region keeps a lower bound of its extent per direction
- * (extents only grow), and the direction and frame where it was found to be thin. That bounds a union's width from both
- * sides; where the bounds do not decide, the extents are taken afresh from the region's vertices, in the directions
- * that can still matter, thinnest first.
+ * Extents of all frames would be many times bigger than quadrics, so they are kept for a few frames only, the probes: their
+ * least is an upper bound of the width, and where they are all the frames it is the width. Besides, a region keeps a
+ * lower bound of its extent per direction (extents only grow). Where the bounds do not decide, the extents are taken
+ * afresh from the region's vertices: frames in chunks, the directions that can still matter, and each of these only
+ * until it shows not to be the thinnest.
  */
 #include <math.h>
 
@@ -27,278 +28,336 @@ void sph__width_directions(uint32_t count, double (*directions)[3])
     }
 }
 
+/* Rows of slots: intervals per probe, then lower bounds per direction. */
+static double *probes_of(const sph__builder *b, const sph__slot *slot)
+{
+    return b->probes + (size_t)(slot - b->slots) * 2 * b->probe_count;
+}
+
+static float *bounds_of(const sph__builder *b, const sph__slot *slot)
+{
+    return b->width_bounds + (size_t)(slot - b->slots) * b->direction_count;
+}
+
+SPH__INLINE void smaller(const sph__v8d *x, sph__v8d *least)
+{
+    *least = sph__select(*x < *least, *x, *least);
+}
+
+SPH__INLINE void larger(const sph__v8d *x, sph__v8d *most)
+{
+    *most = sph__select(*x > *most, *x, *most);
+}
+
+SPH__INLINE void fill(double x, sph__v8d *v)
+{
+    *v = (sph__v8d){x, x, x, x, x, x, x, x};
+}
+
+static double least_lane(const sph__v8d *v)
+{
+    double least = (*v)[0];
+    for (size_t l = 1; l < SPH__LANES; ++l) least = (*v)[l] < least ? (*v)[l] : least;
+    return least;
+}
+
+/* Least extent of the union's probes. `count` is padded with intervals that never are the least. */
+SPH__CLONES static double least_probe(const double *u, const double *v, size_t count)
+{
+    sph__v8d least;
+    fill(INFINITY, &least);
+    for (size_t i = 0; i < count; i += SPH__LANES) {
+        sph__v8d low = *(const sph__v8d *)(u + i), high = *(const sph__v8d *)(u + count + i);
+        smaller((const sph__v8d *)(v + i), &low);
+        larger((const sph__v8d *)(v + count + i), &high);
+        high -= low;
+        smaller(&high, &least);
+    }
+    return least_lane(&least);
+}
+
+double sph__union_width_bound(const sph__builder *b, const sph__slot *u, const sph__slot *v)
+{
+    return least_probe(probes_of(b, u), probes_of(b, v), b->probe_count);
+}
+
+/* --- the points that a union's extents depend on --- */
+
+/* Makes the mean of up to three vertices a point; equal vertices count as often as they are named. */
+static bool add_point(sph__builder *b, size_t *count, uint32_t x, uint32_t y, uint32_t z)
+{
+    if (!sph__reserve(b->context, (void **)&b->points, &b->point_capacity, *count + 1, sizeof *b->points)) return false;
+    b->points[*count][0] = x;
+    b->points[*count][1] = y;
+    b->points[*count][2] = z;
+    ++*count;
+    return true;
+}
+
+/* The points of vertex v's cell: itself, and of the triangles that leave the region the midpoints and the centroid. */
+static bool add_cell(sph__builder *b, size_t *count, uint32_t v)
+{
+    if (!add_point(b, count, v, v, v)) return false;
+    for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
+        uint32_t x, y;
+        bool x_inside, y_inside;
+        sph__cell_others(b, i, v, &x, &y);
+        x_inside = b->member_stamps[x] == b->stamp;
+        y_inside = b->member_stamps[y] == b->stamp;
+        if (x_inside && y_inside) continue; /* within the hull of the region's vertices */
+        if (!x_inside && !add_point(b, count, v, x, SPH__NO_NODE)) return false;
+        if (!y_inside && b->cell_open[v] && !add_point(b, count, v, y, SPH__NO_NODE)) return false;
+        if (!(x_inside && x < v) && !(y_inside && y < v) && !add_point(b, count, v, x, y)) return false;
+    }
+    return true;
+}
+
+static bool add_region(sph__builder *b, size_t *count, const sph__slot *slot)
+{
+    uint32_t v = slot->first;
+    for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v])
+        if (!add_cell(b, count, v)) return false;
+    return true;
+}
+
 static void mark_members(sph__builder *b, const sph__slot *slot)
 {
     uint32_t v = slot->first;
     for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v]) b->member_stamps[v] = b->stamp;
 }
 
-/* Calls for points of the cells of a region's vertices; interior triangles add nothing to the vertices' hull. */
-SPH__INLINE void widen(const sph__v8d *x, sph__v8d *low, sph__v8d *high)
+/* A stride coprime to the count, so that points far apart come first and a direction's extent shows soon. */
+static size_t spread_stride(size_t count)
 {
-    *low = sph__select(*x < *low, *x, *low);
-    *high = sph__select(*x > *high, *x, *high);
-}
-
-SPH__INLINE void project(const float *p, size_t s, size_t i, const sph__v8d origin[3], const double k[3], sph__v8d *out)
-{
-    *out = (sph__load(p, i) - origin[0]) * k[0] + (sph__load(p, s + i) - origin[1]) * k[1] +
-           (sph__load(p, 2 * s + i) - origin[2]) * k[2];
-}
-
-/* Triangles of the cells that a region's extent depends on, laid out for one call of the loop over frames. */
-typedef struct extent_points {
-    const float *vertex;
-    const float *others[2];
-    int inside[2]; /* of the region */
-} extent_points;
-
-/* Widens the extents of all frames by a triangle of a vertex's cell; returns the least of them. */
-SPH__CLONES static double widen_triangle(const extent_points *p, const float *origin, size_t s, size_t frames,
-                                         const double k[3], double *low, double *high)
-{
-    sph__v8d least = {INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY};
-    double result;
-    for (size_t i = 0; i < s; i += SPH__LANES) {
-        const sph__v8d o[3] = {sph__load(origin, i), sph__load(origin, s + i), sph__load(origin, 2 * s + i)};
-        sph__v8d *l = (sph__v8d *)(low + i), *h = (sph__v8d *)(high + i), extent;
-        sph__v8d x, y, z;
-        project(p->vertex, s, i, o, k, &x);
-        widen(&x, l, h);
-        if (p->others[0] != NULL) {
-            project(p->others[0], s, i, o, k, &y);
-            project(p->others[1], s, i, o, k, &z);
-            const sph__v8d xy = 0.5 * (x + y), xz = 0.5 * (x + z), center = (x + y + z) * (1.0 / 3.0);
-            if (!p->inside[0]) widen(&xy, l, h);
-            if (!p->inside[1]) widen(&xz, l, h);
-            widen(&center, l, h);
+    size_t stride = count / 2 + 1;
+    for (;; ++stride) {
+        size_t x = count, y = stride;
+        while (y != 0) {
+            const size_t rest = x % y;
+            x = y;
+            y = rest;
         }
-        extent = *h - *l;
-        for (size_t f = frames; f < i + SPH__LANES; ++f) extent[f - i] = INFINITY; /* padding */
-        least = sph__select(extent < least, extent, least);
+        if (x == 1) return stride;
     }
-    result = least[0];
-    for (size_t l = 1; l < SPH__LANES; ++l) result = least[l] < result ? least[l] : result;
-    return result;
 }
 
-/*
- * Widens low and high by the cells of a region's vertices along direction k, until the least extent reaches `enough`:
- * extents only grow, so then this direction is not the thinnest. Returns the least extent.
- */
-static double widen_region(sph__builder *b, const sph__slot *slot, const float *origin, const double k[3],
-                           double enough)
+/* Eight frames of the points, relative to `origin`. */
+SPH__CLONES static void place_points(const sph__builder *b, uint32_t origin, size_t count, size_t i, double *placed)
 {
     const size_t s = b->stride;
-    double least = 0;
-    uint32_t v = slot->first;
-    for (uint32_t m = 0; m < slot->count; ++m, v = b->next_member[v]) {
-        const float *center = sph__node_center(b, v);
+    const float *o = b->h->centers + origin * b->node_floats + i;
+    const size_t stride = count > 1 ? b->spread_stride : 0;
+    for (size_t p = 0, at_point = 0; p < count; ++p) {
+        const uint32_t *from = b->points[at_point];
+        const float *x = b->h->centers + from[0] * b->node_floats + i, *y = b->h->centers + from[1] * b->node_floats + i;
+        for (size_t k = 0; k < 3; ++k) {
+            sph__v8d at = sph__load(x, k * s) - sph__load(o, k * s);
+            if (from[2] == SPH__NO_NODE) {
+                at = 0.5 * (at + (sph__load(y, k * s) - sph__load(o, k * s)));
+            } else if (from[2] != from[0]) {
+                const float *z = b->h->centers + from[2] * b->node_floats + i;
+                at = (at + (sph__load(y, k * s) - sph__load(o, k * s)) + (sph__load(z, k * s) - sph__load(o, k * s))) *
+                     (1.0 / 3.0);
+            }
+            *(sph__v8d *)(placed + (3 * p + k) * SPH__LANES) = at;
+        }
+        at_point = at_point + stride < count ? at_point + stride : at_point + stride - count;
+    }
+}
+
+/* Extents of the placed points along k; stops when all reach `enough`, for extents only grow. */
+SPH__CLONES static void chunk_extents(const double *placed, size_t count, const double k[3], double enough,
+                                      double *extents)
+{
+    sph__v8d low, high, extent;
+    fill(INFINITY, &low);
+    fill(-INFINITY, &high);
+    for (size_t p = 0; p < count;) {
+        const size_t end = count - p < 4 ? count : p + 4;
         int any = 0;
-        for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
-            const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[i];
-            extent_points points = {.vertex = center};
-            for (unsigned n = 0, c = 0; c < 3; ++c) {
-                if (corner[c] == v) continue;
-                points.others[n] = sph__node_center(b, corner[c]);
-                points.inside[n++] = b->member_stamps[corner[c]] == b->stamp;
-            }
-            if (points.inside[0] && points.inside[1]) continue;
-            any = 1;
-            least = widen_triangle(&points, origin, s, b->frames, k, b->extent_low, b->extent_high);
-            if (least >= enough) return least;
+        for (; p < end; ++p) {
+            const sph__v8d *x = (const sph__v8d *)(placed + 3 * p * SPH__LANES);
+            const sph__v8d along = x[0] * k[0] + x[1] * k[1] + x[2] * k[2];
+            smaller(&along, &low);
+            larger(&along, &high);
         }
-        if (!any) {
-            const extent_points points = {.vertex = center};
-            least = widen_triangle(&points, origin, s, b->frames, k, b->extent_low, b->extent_high);
-            if (least >= enough) return least;
-        }
+        extent = high - low;
+        for (size_t l = 0; l < SPH__LANES; ++l) any |= extent[l] < enough;
+        if (!any) break;
     }
+    *(sph__v8d *)extents = high - low;
+}
+
+static double least_extent(const sph__builder *b, size_t i, const double extents[SPH__LANES])
+{
+    double least = INFINITY;
+    for (size_t l = 0; l < SPH__LANES && i + l < b->frames; ++l) least = extents[l] < least ? extents[l] : least;
     return least;
 }
 
-static double project_frame(const sph__builder *b, uint32_t v, uint32_t frame, const double k[3])
+static sph_status list_points(sph__builder *b, const sph__slot *u, const sph__slot *v, size_t *count)
 {
-    const float *p = sph__node_center(b, v) + frame;
-    return p[0] * k[0] + p[b->stride] * k[1] + p[2 * b->stride] * k[2];
-}
-
-/* The same for one frame. */
-static void widen_region_in_frame(sph__builder *b, const sph__slot *slot, uint32_t frame, const double k[3], double *low,
-                                  double *high)
-{
-    uint32_t v = slot->first;
-    for (uint32_t m = 0; m < slot->count; ++m, v = b->next_member[v]) {
-        const double x = project_frame(b, v, frame, k);
-        *low = x < *low ? x : *low;
-        *high = x > *high ? x : *high;
-        for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
-            const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[i];
-            double sum = x;
-            for (unsigned c = 0; c < 3; ++c) {
-                double y;
-                if (corner[c] == v) continue;
-                y = project_frame(b, corner[c], frame, k);
-                sum += y;
-                y = 0.5 * (x + y);
-                *low = y < *low ? y : *low;
-                *high = y > *high ? y : *high;
-            }
-            sum *= 1.0 / 3.0;
-            *low = sum < *low ? sum : *low;
-            *high = sum > *high ? sum : *high;
-        }
-    }
-}
-
-/* An upper bound for the union, where u is thin. Only v is looked at. */
-static double width_bound_along(sph__builder *b, const sph__slot *u, const sph__slot *v)
-{
-    double low = u->thin_low, high = u->thin_high;
-    widen_region_in_frame(b, v, u->width_frame, b->directions[u->width_direction], &low, &high);
-    return high - low;
-}
-
-/* Rounding of an upper bound must not take it below what the exact search finds. */
-#define BOUND_SLACK (1 + 1e-6)
-/* Looking at a region that is so many times larger than the other would cost more than the better bound is worth. */
-enum { UNBALANCED = 8 };
-
-double sph__union_width_bound(sph__builder *b, const sph__slot *u, const sph__slot *v)
-{
-    const double x = v->cells / UNBALANCED > u->cells ? INFINITY : width_bound_along(b, u, v);
-    const double y = u->cells / UNBALANCED > v->cells ? INFINITY : width_bound_along(b, v, u);
-    return (x < y ? x : y) * BOUND_SLACK;
-}
-
-/* Least over frames of the union's extent in one direction, and the frame; or anything from `enough` on. */
-static double union_extent(sph__builder *b, const sph__slot *u, const sph__slot *v, uint32_t direction, double enough,
-                           uint32_t *frame)
-{
-    const float *origin = sph__node_center(b, u->first);
-    double least;
-    for (size_t f = 0; f < b->stride; ++f) {
-        b->extent_low[f] = INFINITY;
-        b->extent_high[f] = -INFINITY;
-    }
-    least = widen_region(b, u, origin, b->directions[direction], enough);
-    if (least < enough) least = widen_region(b, v, origin, b->directions[direction], enough);
-    for (uint32_t f = 0; f < b->frames; ++f)
-        if (b->extent_high[f] - b->extent_low[f] <= least) {
-            *frame = f;
-            break;
-        }
-    return least;
-}
-
-void sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot *v, sph__candidate *candidate)
-{
-    const float *low_u = b->width_bounds + (u - b->slots) * (size_t)b->direction_count;
-    const float *low_v = b->width_bounds + (v - b->slots) * (size_t)b->direction_count;
-    sph__keyed order[1024];
-    double best = INFINITY;
-    for (uint32_t j = 0; j < b->direction_count; ++j) {
-        /* non-negative floats compare as their bits do */
-        const float bound = low_u[j] > low_v[j] ? low_u[j] : low_v[j];
-        uint32_t bits;
-        memcpy(&bits, &bound, sizeof bits);
-        order[j] = (sph__keyed){bits, j};
-    }
-    for (uint32_t j = 0; j < b->direction_count; ++j)
-        if (j == u->width_direction || j == v->width_direction) order[j].key = 0; /* thin there: look first */
-    sph__sort(order, b->direction_count);
     ++b->stamp;
     mark_members(b, u);
     mark_members(b, v);
-    for (uint32_t i = 0; i < b->direction_count; ++i) {
-        const uint32_t j = (uint32_t)order[i].item;
-        const uint32_t bits = (uint32_t)order[i].key;
-        uint32_t frame = 0;
-        float bound;
-        double extent;
-        memcpy(&bound, &bits, sizeof bound);
-        if ((double)bound >= best) break;
-        extent = union_extent(b, u, v, j, best, &frame);
-        if (extent < best) {
-            best = extent;
-            candidate->width_direction = j;
-            candidate->width_frame = frame;
+    *count = 0;
+    if (!add_region(b, count, u) || !add_region(b, count, v) ||
+        !sph__reserve(b->context, (void **)&b->placed, &b->placed_capacity, *count, 3 * SPH__LANES * sizeof *b->placed))
+        return sph__fail_memory(b->context);
+    b->spread_stride = spread_stride(*count) % *count;
+    return SPH_OK;
+}
+
+sph_status sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot *v, sph__candidate *candidate)
+{
+    const float *low_u = bounds_of(b, u), *low_v = bounds_of(b, v);
+    double best = sph__union_width_bound(b, u, v);
+    size_t count;
+    sph_status status;
+    candidate->width = best;
+    if (b->probe_frames == b->frames) return SPH_OK;
+    status = list_points(b, u, v, &count);
+    if (status != SPH_OK) return status;
+    for (uint32_t j = 0; j < b->direction_count; ++j) b->least[j] = INFINITY;
+    for (size_t i = 0; i < b->stride; i += SPH__LANES) {
+        place_points(b, u->first, count, i, b->placed);
+        for (uint32_t j = 0; j < b->direction_count; ++j) {
+            _Alignas(SPH__ALIGN) double extents[SPH__LANES];
+            double least;
+            const float bound = low_u[j] > low_v[j] ? low_u[j] : low_v[j];
+            if ((double)bound >= best) continue;
+            chunk_extents(b->placed, count, b->directions[j], best, extents);
+            least = least_extent(b, i, extents);
+            if (least < b->least[j]) b->least[j] = least;
+            if (least < best) best = least;
         }
     }
     candidate->width = best;
+    b->least_of = candidate;
+    return SPH_OK;
 }
 
-void sph__union_frame_widths(sph__builder *b, const sph__slot *u, const sph__slot *v, double *widths)
+/* The united region's probes and bounds, into u's rows. */
+void sph__unite_widths(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate)
 {
-    for (uint32_t f = 0; f < b->frames; ++f) widths[f] = INFINITY;
-    ++b->stamp;
-    mark_members(b, u);
-    mark_members(b, v);
+    double *low = probes_of(b, u), *high = low + b->probe_count;
+    const double *low_v = probes_of(b, v), *high_v = low_v + b->probe_count;
+    float *bounds = bounds_of(b, u);
+    const float *bounds_v = bounds_of(b, v);
+    for (size_t i = 0; i < b->probe_count; ++i) {
+        low[i] = low_v[i] < low[i] ? low_v[i] : low[i];
+        high[i] = high_v[i] > high[i] ? high_v[i] : high[i];
+    }
+    if (candidate->exact && candidate->width > 0)
+        u->width = candidate->width;
+    else if (v->width > u->width)
+        u->width = v->width;
     for (uint32_t j = 0; j < b->direction_count; ++j) {
-        uint32_t frame;
-        union_extent(b, u, v, j, INFINITY, &frame);
-        for (uint32_t f = 0; f < b->frames; ++f) {
-            const double extent = b->extent_high[f] - b->extent_low[f];
-            if (extent < widths[f]) widths[f] = extent;
+        float bound = bounds[j] > bounds_v[j] ? bounds[j] : bounds_v[j];
+        double known = u->width;
+        if (b->least_of == candidate && b->least[j] != INFINITY && b->least[j] > known) known = b->least[j];
+        if ((double)bound < known * (1 - 1e-6)) bound = (float)(known * (1 - 1e-6));
+        bounds[j] = bound;
+    }
+    b->least_of = NULL;
+}
+
+sph_status sph__union_frame_widths(sph__builder *b, const sph__slot *u, const sph__slot *v, double *widths)
+{
+    size_t count;
+    const sph_status status = list_points(b, u, v, &count);
+    if (status != SPH_OK) return status;
+    for (size_t i = 0; i < b->stride; i += SPH__LANES) {
+        place_points(b, u->first, count, i, b->placed);
+        for (size_t l = 0; l < SPH__LANES; ++l) widths[i + l] = INFINITY;
+        for (uint32_t j = 0; j < b->direction_count; ++j) {
+            _Alignas(SPH__ALIGN) double extents[SPH__LANES];
+            chunk_extents(b->placed, count, b->directions[j], INFINITY, extents);
+            for (size_t l = 0; l < SPH__LANES; ++l) widths[i + l] = extents[l] < widths[i + l] ? extents[l] : widths[i + l];
         }
     }
+    return SPH_OK;
 }
 
-/* Where the union is thin, into u: as the exact search found it, else where the larger region is, which so is not looked at. */
-static void unite_thin_extents(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate)
-{
-    const bool exact = candidate->exact && candidate->width > 0;
-    const sph__slot *larger = v->cells > u->cells ? v : u, *smaller = larger == u ? v : u;
-    const uint32_t direction = exact ? candidate->width_direction : larger->width_direction;
-    const uint32_t frame = exact ? candidate->width_frame : larger->width_frame;
-    double low = exact ? INFINITY : larger->thin_low, high = exact ? -INFINITY : larger->thin_high;
-    if (exact) widen_region_in_frame(b, larger, frame, b->directions[direction], &low, &high);
-    widen_region_in_frame(b, smaller, frame, b->directions[direction], &low, &high);
-    u->width = exact ? candidate->width : u->width > v->width ? u->width : v->width;
-    u->width_direction = direction;
-    u->width_frame = frame;
-    u->thin_low = low;
-    u->thin_high = high;
-}
+/* --- leaves --- */
 
-void sph__unite_width_bounds(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate)
+/* Widens the intervals of all directions by a point. */
+SPH__CLONES static void widen_probes(const sph__builder *b, const double x[3], double *low, double *high)
 {
-    float *low = b->width_bounds + (u - b->slots) * (size_t)b->direction_count;
-    const float *low_v = b->width_bounds + (v - b->slots) * (size_t)b->direction_count;
-    if (b->options.radius_mode != SPH_RADIUS_CONSTANT) return;
-    unite_thin_extents(b, u, v, candidate);
-    u->cells += v->cells;
-    for (uint32_t j = 0; j < b->direction_count; ++j) {
-        float bound = low[j] > low_v[j] ? low[j] : low_v[j];
-        if ((double)bound < u->width * (1 - 1e-6)) bound = (float)(u->width * (1 - 1e-6));
-        low[j] = bound;
+    for (size_t j = 0; j < b->direction_stride; j += SPH__LANES) {
+        const double *row = b->direction_rows + j;
+        const sph__v8d along = *(const sph__v8d *)row * x[0] + *(const sph__v8d *)(row + b->direction_stride) * x[1] +
+                               *(const sph__v8d *)(row + 2 * b->direction_stride) * x[2];
+        smaller(&along, (sph__v8d *)(low + j));
+        larger(&along, (sph__v8d *)(high + j));
     }
 }
 
-/* A leaf's cell: the thinnest direction of the first frame, as a place to look; bounds of zero. */
+static void load_point(const sph__builder *b, uint32_t v, uint32_t frame, double x[3])
+{
+    const float *p = sph__node_center(b, v) + frame;
+    for (size_t k = 0; k < 3; ++k) x[k] = p[k * b->stride];
+}
+
+static void probe_leaf(const sph__builder *b, uint32_t v, uint32_t frame, double *low, double *high)
+{
+    double p[3];
+    load_point(b, v, frame, p);
+    widen_probes(b, p, low, high);
+    for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
+        const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[i];
+        double sum[3] = {0, 0, 0}, x[3], middle[3];
+        for (unsigned c = 0; c < 3; ++c) {
+            load_point(b, corner[c], frame, x);
+            for (unsigned k = 0; k < 3; ++k) {
+                middle[k] = 0.5 * (p[k] + x[k]);
+                sum[k] += x[k];
+            }
+            if (corner[c] != v) widen_probes(b, middle, low, high);
+        }
+        for (unsigned k = 0; k < 3; ++k) sum[k] *= 1.0 / 3.0;
+        widen_probes(b, sum, low, high);
+    }
+}
+
+static void probe_leaves(void *argument, size_t begin, size_t end)
+{
+    const sph__builder *b = argument;
+    for (size_t v = begin; v < end; ++v) {
+        double *low = probes_of(b, &b->slots[v]), *high = low + b->probe_count;
+        for (size_t i = 0; i < b->probe_count; ++i) {
+            low[i] = INFINITY;
+            high[i] = -INFINITY;
+        }
+        for (uint32_t probe = 0; probe < b->probe_frames; ++probe)
+            probe_leaf(b, (uint32_t)v, probe * (b->frames / b->probe_frames), low + probe * b->direction_stride,
+                       high + probe * b->direction_stride);
+        for (size_t i = 0; i < b->probe_count; ++i)
+            if (i % b->direction_stride >= b->direction_count) { /* padding: never the least */
+                low[i] = 0;
+                high[i] = INFINITY;
+            }
+    }
+}
+
 sph_status sph__make_widths(sph__builder *b)
 {
+    enum { PROBE_FRAMES = 2, GRAIN = 256 };
+    const size_t stride = (b->direction_count + SPH__LANES - (size_t)1) / SPH__LANES * SPH__LANES;
+    b->direction_stride = stride;
+    b->probe_frames = b->frames < PROBE_FRAMES ? b->frames : PROBE_FRAMES;
+    b->probe_count = b->probe_frames * stride;
     b->directions = sph__alloc(b->context, b->direction_count, sizeof *b->directions);
+    b->direction_rows = sph__zalloc(b->context, 3, stride * sizeof *b->direction_rows);
+    b->least = sph__alloc(b->context, b->direction_count, sizeof *b->least);
+    b->probes = sph__alloc(b->context, b->n, 2 * b->probe_count * sizeof *b->probes);
     b->width_bounds = sph__zalloc(b->context, b->n, b->direction_count * sizeof *b->width_bounds);
-    b->extent_low = sph__alloc(b->context, b->stride, sizeof *b->extent_low);
-    b->extent_high = sph__alloc(b->context, b->stride, sizeof *b->extent_high);
-    if (b->directions == NULL || b->width_bounds == NULL || b->extent_low == NULL || b->extent_high == NULL)
+    if (b->directions == NULL || b->direction_rows == NULL || b->least == NULL || b->probes == NULL ||
+        b->width_bounds == NULL)
         return sph__fail_memory(b->context);
     sph__width_directions(b->direction_count, b->directions);
-    for (uint32_t v = 0; v < b->n; ++v) {
-        sph__slot *slot = &b->slots[v];
-        double least = INFINITY;
-        slot->cells = b->cell_starts[v + 1] - b->cell_starts[v] + 1;
-        for (uint32_t j = 0; j < b->direction_count; ++j) {
-            double low = INFINITY, high = -INFINITY;
-            widen_region_in_frame(b, slot, 0, b->directions[j], &low, &high);
-            if (high - low < least) {
-                least = high - low;
-                slot->width_direction = j;
-                slot->thin_low = low;
-                slot->thin_high = high;
-            }
-        }
-    }
+    for (uint32_t j = 0; j < b->direction_count; ++j)
+        for (size_t k = 0; k < 3; ++k) b->direction_rows[k * stride + j] = b->directions[j][k];
+    sph__parallel_for(b->context, b->n, GRAIN, probe_leaves, b);
     return SPH_OK;
 }
