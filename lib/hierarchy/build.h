@@ -80,9 +80,12 @@ typedef struct sph__builder {
     float *width_bounds;         /* [n][direction_count] by slot: lower bounds over frames of the extents */
     double *least;               /* [direction_count] lower bounds that the last union's width came with, */
     const struct sph__candidate *least_of; /* and whose it was */
-    uint32_t (*points)[3];       /* of a union: vertices whose mean is the point; SPH__NO_NODE last: of two only */
+    uint32_t *vertices;          /* that the points of a union are made of */
+    size_t vertex_count, vertex_capacity;
+    uint32_t *vertex_places, *place_stamps; /* [n]: a vertex's place in `vertices`, valid where the stamp is */
+    uint32_t (*points)[3];       /* of a union: places of the vertices whose mean is the point; SPH__NO_NODE: of two */
     size_t point_capacity, spread_stride;
-    double *placed;              /* [points][3][lanes] */
+    double *placed, *placed_vertices; /* [points][3][lanes], and so for the vertices behind them */
     size_t placed_capacity;
     uint8_t *cell_open;          /* [n]: the triangles do not close around the vertex */
     uint32_t *next_member; /* [n] */

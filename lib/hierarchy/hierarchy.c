@@ -96,6 +96,9 @@ static void free_builder(sph__builder *b)
     sph__free(context, b->direction_rows);
     sph__free(context, b->probes);
     sph__free(context, b->least);
+    sph__free(context, b->vertices);
+    sph__free(context, b->vertex_places);
+    sph__free(context, b->place_stamps);
     sph__free(context, b->points);
     sph__free(context, b->placed);
     sph__free(context, b->cell_open);

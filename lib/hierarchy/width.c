@@ -83,21 +83,35 @@ double sph__union_width_bound(const sph__builder *b, const sph__slot *u, const s
 
 /* --- the points that a union's extents depend on --- */
 
-/* Makes the mean of up to three vertices a point; equal vertices count as often as they are named. */
+/* The place of vertex v among the vertices of the union's points. */
+static bool place_of(sph__builder *b, uint32_t v, uint32_t *place)
+{
+    if (b->place_stamps[v] != b->stamp) {
+        if (!sph__reserve(b->context, (void **)&b->vertices, &b->vertex_capacity, b->vertex_count + 1,
+                          sizeof *b->vertices))
+            return false;
+        b->place_stamps[v] = b->stamp;
+        b->vertex_places[v] = (uint32_t)b->vertex_count;
+        b->vertices[b->vertex_count++] = v;
+    }
+    *place = b->vertex_places[v];
+    return true;
+}
+
+/* Makes the mean of three vertices a point, or of two where z is SPH__NO_NODE. */
 static bool add_point(sph__builder *b, size_t *count, uint32_t x, uint32_t y, uint32_t z)
 {
+    uint32_t *point;
     if (!sph__reserve(b->context, (void **)&b->points, &b->point_capacity, *count + 1, sizeof *b->points)) return false;
-    b->points[*count][0] = x;
-    b->points[*count][1] = y;
-    b->points[*count][2] = z;
-    ++*count;
-    return true;
+    point = b->points[(*count)++];
+    point[2] = z;
+    return place_of(b, x, &point[0]) && place_of(b, y, &point[1]) && (z == SPH__NO_NODE || place_of(b, z, &point[2]));
 }
 
 /* The points of vertex v's cell: itself, and of the triangles that leave the region the midpoints and the centroid. */
 static bool add_cell(sph__builder *b, size_t *count, uint32_t v)
 {
-    if (!add_point(b, count, v, v, v)) return false;
+    if (!add_point(b, count, v, v, SPH__NO_NODE)) return false;
     for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
         uint32_t x, y;
         bool x_inside, y_inside;
@@ -141,27 +155,29 @@ static size_t spread_stride(size_t count)
     }
 }
 
-/* Eight frames of the points, relative to `origin`. */
-SPH__CLONES static void place_points(const sph__builder *b, uint32_t origin, size_t count, size_t i, double *placed)
+/* Eight frames of the vertices, relative to `origin`, and of the points. */
+SPH__CLONES static void place_points(const sph__builder *b, uint32_t origin, size_t count, size_t i, double *vertices,
+                                     double *points)
 {
     const size_t s = b->stride;
     const float *o = b->h->centers + origin * b->node_floats + i;
-    const size_t stride = count > 1 ? b->spread_stride : 0;
-    for (size_t p = 0, at_point = 0; p < count; ++p) {
-        const uint32_t *from = b->points[at_point];
-        const float *x = b->h->centers + from[0] * b->node_floats + i, *y = b->h->centers + from[1] * b->node_floats + i;
-        for (size_t k = 0; k < 3; ++k) {
-            sph__v8d at = sph__load(x, k * s) - sph__load(o, k * s);
-            if (from[2] == SPH__NO_NODE) {
-                at = 0.5 * (at + (sph__load(y, k * s) - sph__load(o, k * s)));
-            } else if (from[2] != from[0]) {
-                const float *z = b->h->centers + from[2] * b->node_floats + i;
-                at = (at + (sph__load(y, k * s) - sph__load(o, k * s)) + (sph__load(z, k * s) - sph__load(o, k * s))) *
-                     (1.0 / 3.0);
-            }
-            *(sph__v8d *)(placed + (3 * p + k) * SPH__LANES) = at;
+    const sph__v8d *from = (const sph__v8d *)vertices;
+    sph__v8d *to = (sph__v8d *)vertices;
+    for (size_t v = 0; v < b->vertex_count; ++v) {
+        const float *x = b->h->centers + b->vertices[v] * b->node_floats + i;
+        for (size_t k = 0; k < 3; ++k) to[3 * v + k] = sph__load(x, k * s) - sph__load(o, k * s);
+    }
+    to = (sph__v8d *)points;
+    for (size_t p = 0, at = 0; p < count; ++p) {
+        const uint32_t *place = b->points[at];
+        const sph__v8d *x = from + 3 * (size_t)place[0], *y = from + 3 * (size_t)place[1];
+        if (place[2] == SPH__NO_NODE) {
+            for (size_t k = 0; k < 3; ++k) to[3 * p + k] = 0.5 * (x[k] + y[k]);
+        } else {
+            const sph__v8d *z = from + 3 * (size_t)place[2];
+            for (size_t k = 0; k < 3; ++k) to[3 * p + k] = (x[k] + y[k] + z[k]) * (1.0 / 3.0);
         }
-        at_point = at_point + stride < count ? at_point + stride : at_point + stride - count;
+        at = at + b->spread_stride < count ? at + b->spread_stride : at + b->spread_stride - count;
     }
 }
 
@@ -201,9 +217,12 @@ static sph_status list_points(sph__builder *b, const sph__slot *u, const sph__sl
     mark_members(b, u);
     mark_members(b, v);
     *count = 0;
+    b->vertex_count = 0;
     if (!add_region(b, count, u) || !add_region(b, count, v) ||
-        !sph__reserve(b->context, (void **)&b->placed, &b->placed_capacity, *count, 3 * SPH__LANES * sizeof *b->placed))
+        !sph__reserve(b->context, (void **)&b->placed, &b->placed_capacity, *count + b->vertex_count,
+                      3 * SPH__LANES * sizeof *b->placed))
         return sph__fail_memory(b->context);
+    b->placed_vertices = b->placed + 3 * SPH__LANES * *count;
     b->spread_stride = spread_stride(*count) % *count;
     return SPH_OK;
 }
@@ -220,7 +239,7 @@ sph_status sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot
     if (status != SPH_OK) return status;
     for (uint32_t j = 0; j < b->direction_count; ++j) b->least[j] = INFINITY;
     for (size_t i = 0; i < b->stride; i += SPH__LANES) {
-        place_points(b, u->first, count, i, b->placed);
+        place_points(b, u->first, count, i, b->placed_vertices, b->placed);
         for (uint32_t j = 0; j < b->direction_count; ++j) {
             _Alignas(SPH__ALIGN) double extents[SPH__LANES];
             double least;
@@ -268,7 +287,7 @@ sph_status sph__union_frame_widths(sph__builder *b, const sph__slot *u, const sp
     const sph_status status = list_points(b, u, v, &count);
     if (status != SPH_OK) return status;
     for (size_t i = 0; i < b->stride; i += SPH__LANES) {
-        place_points(b, u->first, count, i, b->placed);
+        place_points(b, u->first, count, i, b->placed_vertices, b->placed);
         for (size_t l = 0; l < SPH__LANES; ++l) widths[i + l] = INFINITY;
         for (uint32_t j = 0; j < b->direction_count; ++j) {
             _Alignas(SPH__ALIGN) double extents[SPH__LANES];
@@ -350,9 +369,11 @@ sph_status sph__make_widths(sph__builder *b)
     b->directions = sph__alloc(b->context, b->direction_count, sizeof *b->directions);
     b->direction_rows = sph__zalloc(b->context, 3, stride * sizeof *b->direction_rows);
     b->least = sph__alloc(b->context, b->direction_count, sizeof *b->least);
+    b->vertex_places = sph__alloc(b->context, b->n, sizeof *b->vertex_places);
+    b->place_stamps = sph__zalloc(b->context, b->n, sizeof *b->place_stamps);
     b->probes = sph__alloc(b->context, b->n, 2 * b->probe_count * sizeof *b->probes);
     b->width_bounds = sph__zalloc(b->context, b->n, b->direction_count * sizeof *b->width_bounds);
-    if (b->directions == NULL || b->direction_rows == NULL || b->least == NULL || b->probes == NULL ||
+    if (b->directions == NULL || b->direction_rows == NULL || b->least == NULL || b->probes == NULL || b->vertex_places == NULL || b->place_stamps == NULL ||
         b->width_bounds == NULL)
         return sph__fail_memory(b->context);
     sph__width_directions(b->direction_count, b->directions);
