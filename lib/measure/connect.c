@@ -23,7 +23,7 @@ static bool join_over(const sph__solid *solid, const sph__surface_point *a, cons
         middle[k] = 0.5 * (a->position[k] + b->position[k]);
     }
     length = sph__norm(up);
-    if (length < 0.5) return sph__solid_is_clear(solid, a->position, b->position);
+    if (length < 0.8) return false; /* back to back */
     for (int k = 0; k < 3; ++k)
         up[k] /= length;
     for (int end = 0; end < 2; ++end) {
@@ -169,29 +169,20 @@ static void join_all(sph__outer *outer, uint32_t *members)
         join_sets_by_rays(outer, members);
 }
 
-/*
- * Outer points first, each kind in its old order; the tree over all takes the new numbers. `sorted` and `number` have
- * room for all.
- */
-static void sort_points(sph__outer *outer, sph__surface_point *sorted, uint32_t *number)
+/* --- sorting --- */
+
+/* The points by kind, each in its old order. `sorted` has room for all. */
+static void sort_points(sph__outer *outer, sph__surface_point *sorted)
 {
-    const uint32_t count = outer->point_count, root = find(outer->parents, count), extremes = outer->extreme_begin;
-    uint32_t kept = 0, next;
-    for (uint32_t i = 0; i < count; ++i) {
-        const bool is_outside = find(outer->parents, i) == root;
-        if (i == extremes) outer->extreme_begin = kept;
-        number[i] = is_outside ? kept++ : UINT32_MAX;
+    uint32_t next = 0, ends[3];
+    for (uint32_t kind = 0; kind < 3; ++kind) {
+        for (uint32_t i = 0; i < outer->point_count; ++i)
+            if (outer->points[i].kind == kind) sorted[next++] = outer->points[i];
+        ends[kind] = next;
     }
-    if (extremes == count) outer->extreme_begin = kept;
-    next = kept;
-    for (uint32_t i = 0; i < count; ++i) {
-        if (number[i] == UINT32_MAX) number[i] = next++;
-        sorted[number[i]] = outer->points[i];
-    }
-    memcpy(outer->points, sorted, count * sizeof *sorted);
-    for (uint32_t i = 0; i < count; ++i)
-        outer->all_tree.order[i] = number[outer->all_tree.order[i]];
-    outer->outer_count = kept;
+    memcpy(outer->points, sorted, outer->point_count * sizeof *sorted);
+    outer->extreme_begin = ends[SPH__POINT_SPREAD];
+    outer->outer_count = ends[SPH__POINT_EXTREME];
 }
 
 /* Marks the primitives that touch a cavity. */
@@ -201,70 +192,89 @@ static void mark_cavities(sph__outer *outer)
     const double reach = 4 * outer->lift;
     memset(outer->touches_cavity, 0, outer->solid.primitive_count * sizeof *outer->touches_cavity);
     for (uint32_t i = outer->outer_count; i < outer->point_count; ++i) {
+        const sph__surface_point *p = &outer->points[i];
         uint32_t found[MOST];
-        const uint32_t count = sph__solid_gather(&outer->solid, outer->points[i].position, reach, found, MOST);
+        const uint32_t count = sph__solid_gather(&outer->solid, p->position, reach, found, MOST);
         for (uint32_t k = 0; k < count && k < MOST; ++k)
             outer->touches_cavity[found[k]] = true;
     }
     outer->has_cavities = outer->outer_count < outer->point_count;
 }
 
+/* By kind, with trees over all and over the outer ones. */
+static bool arrange(sph__outer *outer)
+{
+    sph__surface_point *sorted = sph__alloc(outer->context, outer->point_count, sizeof *sorted);
+    if (sorted == NULL) return false;
+    sort_points(outer, sorted);
+    sph__free(outer->context, sorted);
+    mark_cavities(outer);
+    return set_boxes(outer) && build_tree(outer, &outer->outer_tree, outer->outer_count) &&
+           build_tree(outer, &outer->all_tree, outer->point_count);
+}
+
 bool sph__outer_connect(sph__outer *outer)
 {
     const uint32_t count = outer->point_count;
-    sph__surface_point *sorted = sph__alloc(outer->context, count, sizeof *sorted);
-    uint32_t *numbers = sph__alloc(outer->context, count, sizeof *numbers);
-    bool done = sorted != NULL && numbers != NULL &&
+    uint32_t *members = sph__alloc(outer->context, count, sizeof *members);
+    bool done = members != NULL &&
                 sph__reserve(outer->context, (void **)&outer->parents, &outer->parent_capacity, (size_t)count + 1,
                              sizeof *outer->parents) &&
                 set_boxes(outer) && build_tree(outer, &outer->all_tree, count);
     if (done) {
-        join_all(outer, numbers);
-        sort_points(outer, sorted, numbers);
-        mark_cavities(outer);
-        done = set_boxes(outer) && build_tree(outer, &outer->outer_tree, outer->outer_count);
+        join_all(outer, members);
+        for (uint32_t i = 0; i < count; ++i)
+            if (find(outer->parents, i) != find(outer->parents, count)) outer->points[i].kind = SPH__POINT_CAVITY;
     }
-    sph__free(outer->context, sorted);
-    sph__free(outer->context, numbers);
-    return done;
+    sph__free(outer->context, members);
+    return done && arrange(outer);
 }
 
 /* --- any other point --- */
 
-/*
- * 1 outside, 0 in a cavity, -1 unknown. Where all the points close by that face the same way are of one kind, p is of
- * it too; else it is as the first neighbour that it can be joined to.
- */
+/* 1 outside, 0 in a cavity, as the first neighbour that p can be joined to; -1: to none. */
 static int ask_neighbours(const sph__outer *outer, const sph__surface_point *p)
 {
-    const double close = 3 * outer->spacing;
     sph__neighbour found[NEIGHBOURS];
-    uint32_t votes[2] = {0, 0};
     const uint32_t count = sph__outer_nearest(outer, &outer->all_tree, p->position, INFINITY, NEIGHBOURS, found);
-    for (uint32_t i = 0; i < count && found[i].distance2 < close * close; ++i)
-        if (sph__dot(outer->points[found[i].point].normal, p->normal) > 0.7)
-            ++votes[found[i].point < outer->outer_count];
-    if (votes[0] + votes[1] >= 3 && (votes[0] == 0 || votes[1] == 0)) return votes[1] != 0;
-    for (uint32_t i = 0; i < count; ++i)
-        if (join(&outer->solid, p, &outer->points[found[i].point])) return found[i].point < outer->outer_count;
+    for (uint32_t i = 0; i < count; ++i) {
+        const sph__surface_point *other = &outer->points[found[i].point];
+        if (join(&outer->solid, p, other)) return other->kind != SPH__POINT_CAVITY;
+    }
     return -1;
+}
+
+/* A point wrongly taken for an outer one would spoil the largest distance, so there is no guessing by neighbours. */
+static bool is_outside(const sph__outer *outer, const sph__surface_point *p)
+{
+    int answer = -1;
+    if (sph__solid_escapes(&outer->solid, p->position, p->normal)) return true;
+    answer = ask_neighbours(outer, p);
+    for (int number = 0; answer < 0 && number < DIRECTIONS; ++number) {
+        sph__surface_point landing;
+        double direction[3];
+        choose_direction(p->normal, number, direction);
+        if (!land(outer, p->position, direction, &landing)) return true;
+        answer = ask_neighbours(outer, &landing);
+    }
+    return answer == 1; /* a niche that nothing can be seen from counts as a cavity */
 }
 
 bool sph__outer_is_outside(const sph__outer *outer, uint32_t primitive, const double position[3],
                            const double normal[3])
 {
-    sph__surface_point p;
-    int answer;
+    sph__surface_point p = {.kind = SPH__POINT_SPREAD};
     if (!outer->touches_cavity[primitive]) return true;
     sph__copy3(position, p.position);
     sph__copy3(normal, p.normal);
-    answer = ask_neighbours(outer, &p);
-    for (int number = 0; answer < 0 && number < DIRECTIONS; ++number) {
-        sph__surface_point landing;
-        double direction[3];
-        choose_direction(normal, number, direction);
-        if (!land(outer, position, direction, &landing)) return true;
-        answer = ask_neighbours(outer, &landing);
+    return is_outside(outer, &p);
+}
+
+bool sph__outer_extend(sph__outer *outer, uint32_t first)
+{
+    for (uint32_t i = first; i < outer->point_count; ++i) {
+        sph__surface_point *p = &outer->points[i];
+        if (!is_outside(outer, p)) p->kind = SPH__POINT_CAVITY;
     }
-    return answer == 1; /* a niche that nothing can be seen from counts as a cavity */
+    return arrange(outer);
 }

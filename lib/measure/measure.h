@@ -11,7 +11,14 @@
 typedef struct sph__surface_point {
     double position[3]; /* `lift` off the boundary */
     double normal[3];   /* unit, outward */
+    uint32_t kind;      /* one of the following */
 } sph__surface_point;
+
+enum {
+    SPH__POINT_SPREAD = 0,  /* outer */
+    SPH__POINT_EXTREME = 1, /* outer, at a sharp end: one too many for a mean */
+    SPH__POINT_CAVITY = 2
+};
 
 /*
  * The outer surface of a level in one frame. All radii are enlarged by `skin`, a millionth of the size of things: so
@@ -67,8 +74,10 @@ bool sph__patches_extremes(sph__outer *outer);
 
 /* --- what is connected to infinity (connect.c) --- */
 
-/* Sorts all points into outer ones and ones in cavities; false when out of memory. */
+/* Finds out which of the points are in cavities, and sorts them; false when out of memory. */
 bool sph__outer_connect(sph__outer *outer);
+/* The same for points from `first` on, by those before, which are sorted; then sorts all. */
+bool sph__outer_extend(sph__outer *outer, uint32_t first);
 /* Does this point, just off a primitive with `normal` pointing away from it, belong to the outside? */
 bool sph__outer_is_outside(const sph__outer *outer, uint32_t primitive, const double position[3],
                            const double normal[3]);

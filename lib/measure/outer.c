@@ -5,11 +5,11 @@
 #include "numeric/vector.h"
 
 enum {
-    LEAST_POINTS = 2000,  /* fewer would not show what is connected */
+    FIRST_POINTS = 3000,  /* show what is connected */
     PILOT_POINTS = 1000,  /* tell which share of all patches is not covered */
     MOST_CANDIDATES = 40, /* times the points wanted */
     STARTS = 128,
-    MOST_DESCENTS = 16,
+    MOST_DESCENTS = 8,
     MOST_NEAR = 256
 };
 
@@ -39,22 +39,34 @@ void sph__outer_free(sph__outer *outer)
     memset(outer, 0, sizeof *outer);
 }
 
-/* Spreads `candidates` points over all patches and sorts what is left; sets the area. */
-static bool spread(sph__outer *outer, double area, uint32_t candidates, const double shift[2])
-{
-    outer->point_count = 0;
-    if (!sph__patches_sample(outer, area, candidates, shift)) return false;
-    outer->extreme_begin = outer->point_count;
-    if (!sph__patches_extremes(outer) || !sph__outer_connect(outer)) return false;
-    outer->area = area * outer->extreme_begin / candidates;
-    outer->spacing = sqrt(area / candidates);
-    return true;
-}
-
 static uint32_t candidates_for(double wanted, double share)
 {
     const double most = MOST_CANDIDATES * wanted, need = share > 0 ? wanted / share : most;
     return (uint32_t)fmin(1e9, fmin(most, ceil(need)));
+}
+
+/*
+ * A first part of the points is connected one by one. It tells the rest what is outside, and how many more are needed;
+ * as both parts are spread evenly over all patches, together they are too.
+ */
+static bool spread(sph__outer *outer, double area, double wanted, const double shift[2])
+{
+    const double second_shift[2] = {shift[1], shift[0]};
+    const double pilot = sph__patches_count(outer, area, PILOT_POINTS) / (double)PILOT_POINTS;
+    uint32_t candidates = candidates_for(FIRST_POINTS, pilot), first, more = 0;
+    outer->point_count = 0;
+    outer->spacing = sqrt(area / candidates);
+    if (!sph__patches_sample(outer, area, candidates, shift) || !sph__patches_extremes(outer) ||
+        !sph__outer_connect(outer))
+        return false;
+    if (outer->extreme_begin < wanted) {
+        first = outer->point_count;
+        more = candidates_for(wanted - outer->extreme_begin, outer->extreme_begin / (double)candidates);
+        if (!sph__patches_sample(outer, area, more, second_shift) || !sph__outer_extend(outer, first)) return false;
+    }
+    outer->area = area * outer->extreme_begin / ((double)candidates + more);
+    outer->spacing = sqrt(area / ((double)candidates + more));
+    return true;
 }
 
 /* Diagonal of everything that the solid fills. */
@@ -69,9 +81,6 @@ static double solid_diagonal(const sph__solid *solid)
 sph_status sph__outer_pose(sph__outer *outer, const float *centers, const float *radii, double size, uint32_t samples,
                            const double shift[2])
 {
-    const double wanted = samples > LEAST_POINTS ? samples : LEAST_POINTS;
-    double area;
-    uint32_t candidates;
     sph__solid_pose(&outer->solid, centers, radii, 0);
     size = fmax(size, solid_diagonal(&outer->solid));
     if (!(size > 0)) size = 1;
@@ -79,14 +88,7 @@ sph_status sph__outer_pose(sph__outer *outer, const float *centers, const float 
     outer->skin = SKIN * size;
     outer->lift = LIFT * size;
     sph__solid_pose(&outer->solid, centers, radii, outer->skin);
-    area = sph__patches_area(&outer->solid);
-    candidates = candidates_for(wanted, sph__patches_count(outer, area, PILOT_POINTS) / (double)PILOT_POINTS);
-    if (!spread(outer, area, candidates, shift)) return SPH_E_NOMEM;
-    if (outer->extreme_begin < 0.7 * wanted && candidates < MOST_CANDIDATES * wanted) {
-        candidates = candidates_for(wanted, outer->extreme_begin / (double)candidates);
-        if (!spread(outer, area, candidates, shift)) return SPH_E_NOMEM;
-    }
-    return SPH_OK;
+    return spread(outer, sph__patches_area(&outer->solid), samples, shift) ? SPH_OK : SPH_E_NOMEM;
 }
 
 void sph__outer_point(const sph__outer *outer, uint32_t index, double x[3])

@@ -11,6 +11,8 @@
 static const double PI = 3.14159265358979323846;
 static const double GOLDEN = 0.61803398874989484820;
 
+enum { MOST_NEAR = 64, GATHER_FROM = 16 /* points */ };
+
 typedef struct patch {
     int kind; /* 0 sphere, 1 side of a capsule, 2 face */
     double area;
@@ -133,8 +135,42 @@ typedef struct walk {
     double step, shift[2]; /* area of one point; where they start */
     double before;         /* area of the patches before this one */
     patch current;
-    uint32_t cover; /* the primitive that covered the last point that was covered */
+    uint32_t cover;           /* the primitive that covered the last point that was covered */
+    uint32_t near[MOST_NEAR]; /* primitives around the patch, where they have been gathered */
+    uint32_t near_count;      /* 0: not gathered, or too many */
 } walk;
+
+/* A ball that holds the patch. */
+static double patch_ball(const patch *p, double center[3])
+{
+    double radius = 0;
+    if (p->kind == 0) {
+        sph__copy3(p->center, center);
+        return p->radius;
+    }
+    if (p->kind == 1) {
+        const sph__primitive *c = &p->capsule;
+        for (int k = 0; k < 3; ++k)
+            center[k] = 0.5 * (c->center[0][k] + c->center[1][k]);
+        return 0.5 * c->edge[0].length + fmax(c->radius[0], c->radius[1]);
+    }
+    for (int k = 0; k < 3; ++k)
+        center[k] = (p->corners[0][k] + p->corners[1][k] + p->corners[2][k]) / 3;
+    for (int i = 0; i < 3; ++i)
+        radius = fmax(radius, sph__distance(p->corners[i], center));
+    return radius;
+}
+
+/* Where the patch will have many points, it pays to know the primitives that may cover them. */
+static void gather_near(walk *w)
+{
+    double center[3], radius;
+    w->near_count = 0;
+    if (w->current.area < GATHER_FROM * w->step) return;
+    radius = patch_ball(&w->current, center) + 2 * w->outer->lift;
+    w->near_count = sph__solid_gather(&w->outer->solid, center, radius, w->near, MOST_NEAR);
+    if (w->near_count > MOST_NEAR) w->near_count = 0;
+}
 
 static void walk_begin(walk *w, const sph__outer *outer, double area, uint32_t count, const double shift[2])
 {
@@ -145,6 +181,20 @@ static void walk_begin(walk *w, const sph__outer *outer, double area, uint32_t c
     w->shift[0] = shift[0];
     w->shift[1] = shift[1];
     set_patch(&outer->solid, 0, &w->current);
+    gather_near(w);
+}
+
+static bool is_covered(walk *w, const double x[3])
+{
+    const sph__solid *solid = &w->outer->solid;
+    if (sph__primitive_distance(&solid->primitives[w->cover], x) < 0) return true;
+    if (w->near_count == 0) return sph__solid_covers(solid, x, 0, &w->cover);
+    for (uint32_t i = 0; i < w->near_count; ++i) {
+        if (sph__primitive_distance(&solid->primitives[w->near[i]], x) >= 0) continue;
+        w->cover = w->near[i];
+        return true;
+    }
+    return false;
 }
 
 /* The next point that nothing covers; false at the end. */
@@ -154,16 +204,18 @@ static bool walk_next(walk *w, sph__surface_point *point)
     while (w->next < w->count) {
         const double target = (w->next + w->shift[0]) * w->step;
         double v = w->shift[1] + w->next * GOLDEN;
-        while (target >= w->before + w->current.area) {
+        if (target >= w->before + w->current.area) {
             w->before += w->current.area;
-            if (++w->patch_index >= patch_count(solid)) return false; /* rounding: the last point falls off the end */
+            if (++w->patch_index >= patch_count(solid)) return false; /* rounding: the last point falls off */
             set_patch(solid, w->patch_index, &w->current);
+            gather_near(w);
+            continue;
         }
         ++w->next;
         v -= floor(v);
         patch_point(w->outer, &w->current, (target - w->before) / w->current.area, v, point);
-        if (sph__primitive_distance(&solid->primitives[w->cover], point->position) < 0) continue;
-        if (!sph__solid_covers(solid, point->position, 0, &w->cover)) return true;
+        point->kind = SPH__POINT_SPREAD;
+        if (!is_covered(w, point->position)) return true;
     }
     return false;
 }
@@ -221,7 +273,7 @@ bool sph__patches_extremes(sph__outer *outer)
     if (done) add_directions(solid, sums);
     for (uint32_t i = 0; done && i < solid->sphere_count; ++i) {
         const double length = sph__norm(sums[i]);
-        sph__surface_point point = {{0, 0, 0}, {0, 0, 1}};
+        sph__surface_point point = {{0, 0, 0}, {0, 0, 1}, SPH__POINT_EXTREME};
         if (length > 1e-6)
             for (int k = 0; k < 3; ++k)
                 point.normal[k] = sums[i][k] / length;
