@@ -17,7 +17,8 @@ SPH_BEGIN_DECLS
 typedef struct sph_measure_options {
     uint32_t struct_size; /**< bytes the caller knows of; written by the initialiser */
     uint32_t flags;       /**< must be 0 */
-    uint32_t samples;     /**< points per surface and frame, vertices of surface 1 besides; default 10000 */
+    uint32_t samples;     /**< points per surface and frame, from 1 to 2^28, of a level's surface at least about 3000;
+                               vertices of meshes count besides, for the largest distances only; default 10000 */
     uint32_t seed;        /**< of the points; default 1 */
     uint32_t first_frame; /**< default 0 */
     uint32_t frame_step;  /**< default 1; > 0 */
