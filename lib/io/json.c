@@ -50,25 +50,70 @@ static int hexadecimal(char c)
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-/* After the backslash. Characters beyond ASCII become '?': no name that matters here has any. */
-static sph_status read_escape(sph__io_json *json, char *c)
+/* The four digits after \u. */
+static bool read_code(sph__io_json *json, uint32_t *code)
+{
+    *code = 0;
+    if (json->end - json->p < 4) return false;
+    for (unsigned i = 0; i < 4; ++i) {
+        const int digit = hexadecimal(json->p[i]);
+        if (digit < 0) return false;
+        *code = *code << 4 | (unsigned)digit;
+    }
+    json->p += 4;
+    return true;
+}
+
+/* A character as UTF-8; what is none (half a pair, or 0, which would end the text) as '?'. Returns the length. */
+static size_t encode(uint32_t code, char c[4])
+{
+    if (code == 0 || (code >= 0xD800 && code < 0xE000)) code = '?';
+    if (code < 0x80) {
+        c[0] = (char)code;
+        return 1;
+    }
+    if (code < 0x800) {
+        c[0] = (char)(0xC0 | code >> 6);
+        c[1] = (char)(0x80 | (code & 0x3F));
+        return 2;
+    }
+    if (code < 0x10000) {
+        c[0] = (char)(0xE0 | code >> 12);
+        c[1] = (char)(0x80 | (code >> 6 & 0x3F));
+        c[2] = (char)(0x80 | (code & 0x3F));
+        return 3;
+    }
+    c[0] = (char)(0xF0 | code >> 18);
+    c[1] = (char)(0x80 | (code >> 12 & 0x3F));
+    c[2] = (char)(0x80 | (code >> 6 & 0x3F));
+    c[3] = (char)(0x80 | (code & 0x3F));
+    return 4;
+}
+
+/* After the backslash. */
+static sph_status read_escape(sph__io_json *json, char c[4], size_t *size)
 {
     static const char NAMES[] = "\"\\/bfnrt", VALUES[] = "\"\\/\b\f\n\r\t";
-    const char *name = json->p < json->end && *json->p != '\0' ? strchr(NAMES, *json->p) : NULL;
-    unsigned code = 0;
+    const char *name = json->p < json->end && *json->p != '\0' ? strchr(NAMES, *json->p) : NULL, *after;
+    uint32_t code, second;
+    *size = 1;
     if (name != NULL) {
         ++json->p;
         *c = VALUES[name - NAMES];
         return SPH_OK;
     }
-    if (json->end - json->p < 5 || *json->p != 'u') return sph__io_json_fail(json, "not an escape");
-    ++json->p;
-    for (unsigned i = 0; i < 4; ++i, ++json->p) {
-        const int digit = hexadecimal(*json->p);
-        if (digit < 0) return sph__io_json_fail(json, "not an escape");
-        code = code << 4 | (unsigned)digit;
+    if (json->p == json->end || *json->p++ != 'u' || !read_code(json, &code))
+        return sph__io_json_fail(json, "not an escape");
+    after = json->p;
+    if (code >= 0xD800 && code < 0xDC00 && json->end - json->p >= 6 && json->p[0] == '\\' && json->p[1] == 'u') {
+        json->p += 2;
+        if (!read_code(json, &second)) return sph__io_json_fail(json, "not an escape");
+        if (second >= 0xDC00 && second < 0xE000)
+            code = 0x10000 + ((code - 0xD800) << 10) + (second - 0xDC00);
+        else
+            json->p = after;
     }
-    *c = code != 0 && code < 0x80 ? (char)code : '?';
+    *size = encode(code, c);
     return SPH_OK;
 }
 
@@ -77,14 +122,18 @@ sph_status sph__io_json_string(sph__io_json *json, char *text, size_t size)
     size_t length = 0;
     sph_status status = sph__io_json_take(json, '"', "not a string");
     while (status == SPH_OK) {
-        char c;
+        char c[4];
+        size_t count = 1;
         if (json->p == json->end) return sph__io_json_fail(json, "a string without an end");
-        c = *json->p;
-        if ((unsigned char)c < 0x20) return sph__io_json_fail(json, "a control character in a string");
+        c[0] = *json->p;
+        if ((unsigned char)c[0] < 0x20) return sph__io_json_fail(json, "a control character in a string");
         ++json->p;
-        if (c == '"') break;
-        if (c == '\\') status = read_escape(json, &c);
-        if (length + 1 < size) text[length++] = c;
+        if (c[0] == '"') break;
+        if (c[0] == '\\') status = read_escape(json, c, &count);
+        if (length + count < size) {
+            memcpy(text + length, c, count);
+            length += count;
+        }
     }
     if (size != 0) text[length] = '\0';
     return status;
