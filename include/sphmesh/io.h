@@ -17,6 +17,12 @@ SPH_BEGIN_DECLS
 /** Axis that points up in a file; positions are turned so that y is up. */
 enum { SPH_UP_Y = 0, SPH_UP_Z = 1 };
 
+/**
+ * Whether vertices that coincide in all frames become one (sph_animation_weld() without tolerance; the frames are then held in
+ * memory). Auto welds a glTF whose own animation is read, as that format splits vertices along seams of texture and normals.
+ */
+enum { SPH_IO_WELD_AUTO = 0, SPH_IO_WELD_NONE = 1, SPH_IO_WELD_ALL = 2 };
+
 /** Options of sph_io_open_animation(). Fill with sph_io_open_options_init() first. */
 typedef struct sph_io_open_options {
     uint32_t struct_size;   /**< bytes the caller knows of; written by the initialiser */
@@ -27,6 +33,10 @@ typedef struct sph_io_open_options {
     uint32_t frame_step;    /**< default 1; > 0 */
     int32_t up_axis;        /**< one of SPH_UP_*; default y: positions are left as they are. z: (x, y, z) becomes (x, z, -y) */
     double scale;           /**< positions are multiplied by it; finite, not 0; default 1 */
+    double fps;             /**< frames per second that a glTF is baked at; finite, > 0; default 30, also for 0 */
+    const char *clip;       /**< the animation of a glTF to bake, by name, or by number from 0; NULL: all, one after another */
+    int32_t weld;           /**< one of SPH_IO_WELD_*; default auto */
+    uint32_t reserved0;     /**< must be 0 */
 } sph_io_open_options;
 
 /** @brief Fills `options` with the defaults. Call as `sph_io_open_options_init(&o, sizeof o)`. @since 0.1 */
@@ -34,6 +44,9 @@ SPH_API void sph_io_open_options_init(sph_io_open_options *options, size_t size)
 
 /**
  * @brief Opens an animation: one mesh with a point cache, or a sequence of meshes, or one mesh alone (one frame).
+ *
+ * A glTF alone is baked: frame i of a clip is its pose i / fps seconds after the clip's start, up to the clip's end; without
+ * clips it is its pose at rest. With a cache, or as one of a sequence, a glTF is the mesh at rest.
  *
  * A sequence is several paths (or one glob such as `s*.obj`, or one printf pattern such as `s%04d.obj`), taken in natural
  * order: s2 before s10. All meshes of a sequence must have the vertex count, triangles and edges of the first; they are
@@ -54,6 +67,26 @@ SPH_API void sph_io_open_options_init(sph_io_open_options *options, size_t size)
  */
 SPH_API sph_status sph_io_open_animation(sph_context *context, const char *const *paths, size_t path_count,
                                          const sph_io_open_options *options, sph_animation **out);
+
+/** A clip (an "animation") of a glTF. */
+typedef struct sph_io_clip {
+    uint32_t struct_size; /**< bytes that the library fills */
+    uint32_t frame_count; /**< when baked at the frames per second asked for */
+    const char *name;     /**< UTF-8; "" where it has none; borrowed for the call */
+    double duration;      /**< seconds: the time of its last key */
+} sph_io_clip;
+
+/** Is told of one clip. */
+typedef void sph_io_clip_fn(void *user, const sph_io_clip *clip);
+
+/**
+ * @brief Tells of each clip of a file, in the file's order. Files of other formats than glTF have none.
+ * @param[in] fps  frames per second to count frames at; 0: 30.
+ * @retval SPH_E_INVALID, SPH_E_IO, SPH_E_FORMAT, SPH_E_UNSUPPORTED, SPH_E_LIMIT, SPH_E_NOMEM  as sph_io_open_animation().
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_list_clips(sph_context *context, const char *path, double fps, sph_io_clip_fn *visit,
+                                     void *user);
 
 /**
  * @brief Sorts names in natural order, in place: digits compare as numbers, so that s2 comes before s10.

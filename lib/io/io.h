@@ -72,11 +72,23 @@ void sph__io_mesh_release(sph__io_mesh *mesh);
  */
 typedef sph_status sph__io_read_fn(const char *path, const sph__io_map *map, sph__io_mesh *mesh, size_t *watched);
 sph__io_read_fn sph__io_read_obj;
+sph__io_read_fn sph__io_read_gltf; /* at rest */
 
 /* Which reader a mesh file needs, by content and name; *read is NULL with SPH_E_UNSUPPORTED. */
 sph_status sph__io_find_reader(sph_context *context, const char *path, const sph__io_map *map, sph__io_read_fn **read);
 /* Opens, finds the reader, reads. */
 sph_status sph__io_read_mesh(const char *path, sph__io_mesh *mesh, size_t *watched);
+
+/* --- a glTF as frames (gltf_open.c) --- */
+enum { SPH__IO_FPS = 30 }; /* unless the caller says another */
+typedef struct sph__io_gltf sph__io_gltf;
+/* `clip` NULL: all. `mesh` gets triangles, edges and the number of vertices, no positions. */
+sph_status sph__io_gltf_open(const char *path, const sph__io_map *map, double fps, const char *clip, sph__io_mesh *mesh,
+                             sph__io_gltf **out);
+uint32_t sph__io_gltf_frame_count(const sph__io_gltf *gltf);
+void sph__io_gltf_read(sph__io_gltf *gltf, uint32_t frame, float *xyz);
+/* NULL is fine. */
+void sph__io_gltf_close(sph__io_gltf *gltf);
 
 /* --- point caches (cache.c) --- */
 typedef struct sph__io_cache {

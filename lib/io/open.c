@@ -17,13 +17,14 @@ typedef struct source {
     sph__io_mesh scratch; /* the mesh of a sequence that was read last */
     sph__io_cache cache;
     bool has_cache;
+    sph__io_gltf *baked;
 } source;
 
 enum { OPEN_OPTIONS_V1 = offsetof(sph_io_open_options, scale) + sizeof(double) };
 _Static_assert(sizeof(void *) != 8 || OPEN_OPTIONS_V1 == 40, "a field of 0.1 moved");
 
 static const sph_io_open_options OPEN_DEFAULTS = {
-    .struct_size = sizeof(sph_io_open_options), .frame_step = 1, .up_axis = SPH_UP_Y, .scale = 1};
+    .struct_size = sizeof(sph_io_open_options), .frame_step = 1, .up_axis = SPH_UP_Y, .scale = 1, .fps = SPH__IO_FPS};
 
 void sph_io_open_options_init(sph_io_open_options *options, size_t size)
 {
@@ -57,6 +58,12 @@ static sph_status read_options(sph_context *context, const sph_io_open_options *
                             SPH_UP_Z);
     if (!isfinite(o->scale) || o->scale == 0)
         return sph__io_fail(context, SPH_E_INVALID, "scale is %g: it must be finite and not 0", o->scale);
+    if (!isfinite(o->fps) || o->fps < 0)
+        return sph__io_fail(context, SPH_E_INVALID, "%g frames per second: not finite, or negative", o->fps);
+    if (o->fps == 0) o->fps = SPH__IO_FPS;
+    if (o->weld < SPH_IO_WELD_AUTO || o->weld > SPH_IO_WELD_ALL || o->reserved0 != 0)
+        return sph__io_fail(context, SPH_E_INVALID, "sph_io_open_options: weld is %d, or a reserved field is set",
+                            (int)o->weld);
     return SPH_OK;
 }
 
@@ -145,6 +152,8 @@ static sph_status read_frame(void *user, uint32_t frame, float *xyz)
         return sph__io_fail(s->context, SPH_E_INVALID, "frame %u of %u", (unsigned)frame, (unsigned)s->frame_count);
     if (s->has_cache) {
         sph__io_cache_read(&s->cache, s->options.first_frame + frame * s->options.frame_step, xyz);
+    } else if (s->baked != NULL) {
+        sph__io_gltf_read(s->baked, s->options.first_frame + frame * s->options.frame_step, xyz);
     } else {
         const sph_status status = read_like_first(s, s->names.names[frame]);
         if (status != SPH_OK) return status;
@@ -162,6 +171,7 @@ static void destroy_source(void *user)
     sph__io_mesh_release(&s->first);
     sph__io_mesh_release(&s->scratch);
     sph__io_cache_close(&s->cache);
+    sph__io_gltf_close(s->baked);
     sph_context_release(s->context, s);
 }
 
@@ -211,10 +221,31 @@ static sph_status open_sequence(source *s)
     return status;
 }
 
+/* A glTF alone; s->baked stays NULL where the file is none. */
+static sph_status open_baked(source *s)
+{
+    const char *path = s->names.names[0];
+    sph__io_map map;
+    sph__io_read_fn *read;
+    sph_status status = sph__io_map_open(s->context, path, &map);
+    if (status != SPH_OK) return status;
+    status = sph__io_find_reader(s->context, path, &map, &read);
+    if (status == SPH_OK && read == sph__io_read_gltf) {
+        status = sph__io_gltf_open(path, &map, s->options.fps, s->options.clip, &s->first, &s->baked);
+        if (status == SPH_OK) status = select_frames(s, sph__io_gltf_frame_count(s->baked), path);
+    }
+    sph__io_map_close(&map);
+    return status;
+}
+
 static sph_status open_source(source *s, const char *const *paths, size_t path_count)
 {
-    const sph_status status = sph__io_expand(&s->names, paths, path_count);
-    if (status != SPH_OK) return status;
+    sph_status status = sph__io_expand(&s->names, paths, path_count);
+    if (status == SPH_OK && s->names.count == 1 && s->options.cache_path == NULL) status = open_baked(s);
+    if (status != SPH_OK || s->baked != NULL) return status;
+    if (s->options.clip != NULL)
+        return sph__io_fail(s->context, SPH_E_INVALID, "clip '%.80s' of what is not one glTF, read without a cache",
+                            s->options.clip);
     if (s->options.cache_path == NULL) return open_sequence(s);
     if (s->names.count != 1)
         return sph__io_fail(s->context, SPH_E_INVALID, "a point cache goes with one mesh, not with %zu",
@@ -222,13 +253,19 @@ static sph_status open_source(source *s, const char *const *paths, size_t path_c
     return open_cache(s);
 }
 
-/* One mesh alone is held by the animation itself. Takes the source over. */
+/* One mesh alone is held by the animation itself. */
+static bool is_single(const source *s)
+{
+    return !s->has_cache && s->baked == NULL && s->frame_count == 1;
+}
+
+/* Takes the source over, but for a single mesh. */
 static sph_status create_animation(source *s, sph_animation **out)
 {
     const uint32_t n = (uint32_t)(s->vertex_count = s->first.vertex_count);
     const sph_frame_source pulled = {s, read_frame, destroy_source};
     sph_status status;
-    if (s->has_cache || s->frame_count > 1) {
+    if (!is_single(s)) {
         sph_context_release(s->context, s->first.positions); /* each frame brings its own */
         s->first.positions = NULL;
         s->first.vertex_capacity = 0;
@@ -244,7 +281,7 @@ static sph_status create_animation(source *s, sph_animation **out)
 
 static sph_status make_animation(source *s, sph_animation **out)
 {
-    const bool single = !s->has_cache && s->frame_count == 1;
+    const bool single = is_single(s);
     uint32_t *triangles = s->first.triangles, *edges = s->first.edges;
     const size_t triangle_count = s->first.triangle_count, edge_count = s->first.edge_count;
     sph_status status = create_animation(s, out);
@@ -256,8 +293,18 @@ static sph_status make_animation(source *s, sph_animation **out)
     }
     if (single)
         destroy_source(s); /* else the animation has done it, or will */
-    else if (status == SPH_OK && s->has_cache)
+    else if (status == SPH_OK && (s->has_cache || s->baked != NULL))
         sph__io_mesh_release(&s->first);
+    return status;
+}
+
+/* Puts the welded animation in the place of *animation. */
+static sph_status weld(sph_animation **animation)
+{
+    sph_animation *welded;
+    const sph_status status = sph_animation_weld(*animation, 0, NULL, &welded);
+    sph_animation_destroy(*animation);
+    *animation = welded;
     return status;
 }
 
@@ -267,6 +314,7 @@ sph_status sph_io_open_animation(sph_context *context, const char *const *paths,
     sph_io_open_options o;
     sph_status status;
     source *s;
+    bool welds;
     if (out != NULL) *out = NULL;
     if (context == NULL || paths == NULL || path_count == 0 || out == NULL)
         return sph_context_fail(context, SPH_E_INVALID,
@@ -285,6 +333,8 @@ sph_status sph_io_open_animation(sph_context *context, const char *const *paths,
         destroy_source(s);
         return status;
     }
-    s->options.cache_path = NULL; /* the caller's */
-    return make_animation(s, out);
+    s->options.cache_path = s->options.clip = NULL; /* the caller's */
+    welds = o.weld == SPH_IO_WELD_ALL || (o.weld == SPH_IO_WELD_AUTO && s->baked != NULL);
+    status = make_animation(s, out);
+    return status == SPH_OK && welds ? weld(out) : status;
 }

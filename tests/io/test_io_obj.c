@@ -163,8 +163,6 @@ START_TEST(formats_that_are_not_read_are_refused_by_name)
                                            {"a.obj", "ply\nformat ascii 1.0\n", "PLY"},
                                            {"a.off", "OFF\n3 1 0\n", "OFF"},
                                            {"a.stl", "solid x\n", "STL"},
-                                           {"a.glb", "glTF....", "binary glTF"},
-                                           {"a.gltf", "{}", "glTF"},
                                            {"a.abc", "Ogawa...", "Alembic"},
                                            {"a.fbx", "Kaydara FBX Binary  ", "FBX"},
                                            {"a.usda", "#usda 1.0\n", "USD"},
