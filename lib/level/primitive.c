@@ -37,7 +37,7 @@ static void set_faces(sph__primitive *p)
     sph__cross(u, v, p->plane_normal);
     area = sph__norm(p->plane_normal);
     longest = fmax(sph__dot(w, w), fmax(sph__dot(u, u), sph__dot(v, v)));
-    if (!(area > 1e-12 * longest)) return; /* collinear: the three capsules are the solid */
+    if (!(area > 1e-8 * longest)) return; /* collinear: the three capsules are the solid, but for 1e-8 of its size */
     for (int k = 0; k < 3; ++k)
         p->plane_normal[k] /= area;
     sph__cross(v, p->plane_normal, p->gradient[0]);
@@ -85,7 +85,7 @@ static double sphere_distance(const sph__primitive *p, int32_t i, const double x
     return sph__distance(x, p->center[i]) - p->radius[i];
 }
 
-static void edge_foot(const sph__primitive *p, int32_t index, const double x[3], foot *f)
+static inline void edge_foot(const sph__primitive *p, int32_t index, const double x[3], foot *f)
 {
     const sph__primitive_edge *e = &p->edge[index];
     double d[3], along, across, m;
@@ -113,7 +113,7 @@ static void edge_foot(const sph__primitive *p, int32_t index, const double x[3],
 
 /* Of the sphere that the face nearest to centre 0 + d touches, `height` (towards that face) above the centres' plane.
  * The edges on whose outer side the weights are, as bits. */
-static int face_weights(const sph__primitive *p, const double d[3], double height, double *b1, double *b2)
+static inline int face_weights(const sph__primitive *p, const double d[3], double height, double *b1, double *b2)
 {
     *b1 = sph__dot(p->gradient[0], d) - height * p->gradient_tilt[0];
     *b2 = sph__dot(p->gradient[1], d) - height * p->gradient_tilt[1];
@@ -124,7 +124,7 @@ static int face_weights(const sph__primitive *p, const double d[3], double heigh
  * The function of the weights is convex: where its least value in their whole plane is not within the triangle, the
  * least value within is on one of the edges that lie between.
  */
-static void find_foot(const sph__primitive *p, const double x[3], foot *f)
+static inline void find_foot(const sph__primitive *p, const double x[3], foot *f)
 {
     int edges = p->corner_count == 3 ? 7 : 1; /* as bits */
     if (p->corner_count == 1) {
@@ -155,6 +155,30 @@ double sph__primitive_distance(const sph__primitive *p, const double x[3])
 {
     foot f = {0};
     find_foot(p, x, &f);
+    return f.distance;
+}
+
+double sph__primitive_slope(const sph__primitive *p, const double x[3], const double direction[3], double *slope)
+{
+    foot f = {0};
+    double v[3], length;
+    find_foot(p, x, &f);
+    if (f.corner >= 0) {
+        sph__subtract(x, p->center[f.corner], v);
+        length = sph__norm(v);
+        *slope = length > 0 ? sph__dot(v, direction) / length : 0;
+    } else if (f.edge >= 0) {
+        const sph__primitive_edge *e = &p->edge[f.edge];
+        sph__subtract(x, p->center[e->from], v);
+        sph__add_scaled(v, -sph__dot(v, e->axis), e->axis, v);
+        length = sph__norm(v);
+        *slope = e->sine * sph__dot(e->axis, direction);
+        if (length > DBL_MIN) *slope += e->cosine * sph__dot(v, direction) / length;
+    } else {
+        sph__subtract(x, p->center[0], v);
+        *slope = sph__dot(p->tilt, direction) +
+                 (sph__dot(v, p->plane_normal) < 0 ? -p->rise : p->rise) * sph__dot(p->plane_normal, direction);
+    }
     return f.distance;
 }
 
@@ -229,7 +253,15 @@ static void edge_contact(const sph__primitive *p, const foot *f, const double x[
     sph__subtract(x, p->center[e->from], d);
     sph__add_scaled(d, -sph__dot(d, e->axis), e->axis, d);
     length = sph__norm(d);
-    if (length > 1e-14 * e->length) /* nearer the direction is noise */
+    if (length > 1e-14 * e->length) { /* nearer the direction is noise; near, it takes twice to be quite across */
+        for (int k = 0; k < 3; ++k)
+            d[k] /= length;
+        sph__add_scaled(d, -sph__dot(d, e->axis), e->axis, d);
+        length = sph__norm(d);
+    } else {
+        length = 0;
+    }
+    if (length > 0.5)
         for (int k = 0; k < 3; ++k)
             d[k] /= length;
     else
@@ -242,10 +274,13 @@ static void edge_contact(const sph__primitive *p, const foot *f, const double x[
 
 static void face_contact(const sph__primitive *p, const foot *f, const double x[3], sph__contact *c)
 {
-    double d[3], side;
+    double d[3], side, length;
     sph__subtract(x, p->center[0], d);
     side = sph__dot(d, p->plane_normal) < 0 ? -p->rise : p->rise;
     sph__add_scaled(p->tilt, side, p->plane_normal, c->normal);
+    length = sph__norm(c->normal); /* 1, but for what a sliver's tilt has lost */
+    for (int k = 0; k < 3; ++k)
+        c->normal[k] /= length;
     c->weights[1] = f->a;
     c->weights[2] = f->b;
     c->weights[0] = fmax(0, 1 - f->a - f->b);

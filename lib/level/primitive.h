@@ -47,6 +47,9 @@ void sph__primitive_set(sph__primitive *primitive, int32_t corner_count, const d
                         const double *radii);
 
 double sph__primitive_distance(const sph__primitive *primitive, const double x[3]);
+/* The same, and its derivative along `direction`. */
+double sph__primitive_slope(const sph__primitive *primitive, const double x[3], const double direction[3],
+                            double *slope);
 void sph__primitive_closest(const sph__primitive *primitive, const double x[3], sph__contact *contact);
 
 /*
