@@ -9,6 +9,7 @@
 #include "level.h"
 #include "measure.h"
 #include "quadric.h"
+#include "query.h"
 #include "version.h"
 
 #endif

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Bounds of primitives as a structure of arrays, and the loops over them. A bound is a box along the axes and two slabs
+ * at right angles, turned as the primitive is; all in the frame of the pose, that is within [-1, 1], in 32 bits. The
+ * caller widens them by a margin that covers all rounding, so that what is pruned by them is never within reach. These
+ * loops allocate nothing and cannot fail.
+ */
+#ifndef SPH_QUERY_KERNEL_H
+#define SPH_QUERY_KERNEL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { SPH__QUERY_LANES = 16, SPH__QUERY_SLABS = 2, SPH__QUERY_ROWS = 6 + 5 * SPH__QUERY_SLABS };
+
+/* Rows, padded by a whole vector of boxes that nothing meets. */
+typedef struct sph__query_bounds {
+    float *rows; /* all of them */
+    float *low[3], *high[3];
+    float *normal[SPH__QUERY_SLABS][3], *slab_low[SPH__QUERY_SLABS], *slab_high[SPH__QUERY_SLABS];
+} sph__query_bounds;
+
+/* A segment p + t d, 0 <= t <= 1, along which something of extent `reach` moves. */
+typedef struct sph__query_ray {
+    float enter[3], leave[3]; /* p, moved by the reach towards the plane of a box that is entered, left */
+    float inverse[3];         /* 1 / d, never infinite */
+    float from[3], way[3];    /* p, d */
+    float reach;
+} sph__query_ray;
+
+/* What `entry` says where the segment does not meet the box. */
+#define SPH__QUERY_MISS 2.0f
+
+void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3], double reach);
+
+/* entry[i] = the least t at which the segment is in bound begin + i, or SPH__QUERY_MISS; for whole vectors from
+ * `begin`. */
+void sph__query_kernel_entries(const sph__query_bounds *bounds, size_t begin, size_t end, const sph__query_ray *ray,
+                               float *entry);
+
+/* bound[i] = a signed distance from x to bound begin + i: nothing in it has a lesser one. */
+void sph__query_kernel_distances(const sph__query_bounds *bounds, size_t begin, size_t end, const float x[3],
+                                 float *bound);
+
+#endif

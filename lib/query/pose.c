@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: MIT */
+/* Poses: from spheres in the model to primitives and bounds in the frame of the pose. */
+#include <float.h>
+#include <math.h>
+
+#include "numeric/vector.h"
+#include "query/query.h"
+
+/* The frame: the middle of all spheres, and a power of two. */
+static void set_frame(sph_query *q)
+{
+    const sph__solid *s = &q->solid;
+    double low[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, high[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX}, most = 0;
+    int exponent = 0;
+    for (uint32_t i = 0; i < q->sphere_count; ++i)
+        for (int k = 0; k < 3; ++k) {
+            low[k] = fmin(low[k], s->centers[i][k] - s->radii[i]);
+            high[k] = fmax(high[k], s->centers[i][k] + s->radii[i]);
+        }
+    for (int k = 0; k < 3; ++k) {
+        q->origin[k] = 0.5 * (low[k] + high[k]);
+        q->half[k] = fmax(high[k] - q->origin[k], q->origin[k] - low[k]);
+        most = fmax(most, q->half[k]);
+    }
+    if (most > 0) frexp(most, &exponent);
+    q->scale = ldexp(1, -exponent);
+    for (int k = 0; k < 3; ++k)
+        q->half[k] *= q->scale;
+}
+
+/* Two unit vectors in which the primitive is thin: of its three directions it is longest in the one left out. */
+static void choose_slabs(const sph__primitive *p, double normals[2][3])
+{
+    static const double AXES[2][3] = {{1, 0, 0}, {0, 1, 0}};
+    const sph__primitive_edge *longest = &p->edge[0];
+    double axis[3];
+    for (int i = 1; i < 3; ++i)
+        if (p->edge[i].length > longest->length) longest = &p->edge[i];
+    memcpy(normals, AXES, sizeof AXES);
+    if (!(longest->length > 0)) return;
+    sph__subtract(p->center[longest->to], p->center[longest->from], axis);
+    for (int k = 0; k < 3; ++k)
+        axis[k] /= longest->length;
+    if (sph__dot(p->plane_normal, p->plane_normal) > 0.5 && p->has_faces)
+        sph__copy3(p->plane_normal, normals[0]);
+    else
+        sph__perpendicular(axis, normals[0]);
+    sph__cross(axis, normals[0], normals[1]);
+}
+
+static void set_slabs(sph_query *q, uint32_t slot, const sph__primitive *p)
+{
+    sph__query_bounds *b = &q->bounds;
+    double normals[2][3];
+    choose_slabs(p, normals);
+    for (int k = 0; k < SPH__QUERY_SLABS; ++k) {
+        double low = DBL_MAX, high = -DBL_MAX;
+        for (int32_t i = 0; i < p->corner_count; ++i) {
+            const double place = sph__dot(normals[k], p->center[i]);
+            low = place - p->radius[i] < low ? place - p->radius[i] : low;
+            high = place + p->radius[i] > high ? place + p->radius[i] : high;
+        }
+        for (int j = 0; j < 3; ++j)
+            b->normal[k][j][slot] = (float)normals[k][j];
+        b->slab_low[k][slot] = (float)low;
+        b->slab_high[k][slot] = (float)high;
+    }
+}
+
+static void set_primitive(sph_query *q, uint32_t slot)
+{
+    sph__solid *s = &q->solid;
+    const int32_t count = s->corner_counts[slot];
+    double c[3][3], r[3];
+    for (int32_t i = 0; i < count; ++i) {
+        sph__query_to_frame(q, s->centers[s->corners[slot][i]], c[i]);
+        r[i] = s->radii[s->corners[slot][i]] * q->scale;
+    }
+    sph__primitive_set(&s->primitives[slot], count, (const double(*)[3])c, r);
+    for (int k = 0; k < 3; ++k) {
+        double low = c[0][k] - r[0], high = c[0][k] + r[0];
+        for (int32_t i = 1; i < count; ++i) {
+            low = c[i][k] - r[i] < low ? c[i][k] - r[i] : low;
+            high = c[i][k] + r[i] > high ? c[i][k] + r[i] : high;
+        }
+        /* rounded to nearest: the margin of every search covers it */
+        q->bounds.low[k][slot] = s->boxes[slot].low[k] = (float)low;
+        q->bounds.high[k][slot] = s->boxes[slot].high[k] = (float)high;
+    }
+    set_slabs(q, slot, &s->primitives[slot]);
+}
+
+void sph__query_repose(sph_query *q)
+{
+    set_frame(q);
+    for (uint32_t i = 0; i < q->primitive_count; ++i)
+        set_primitive(q, i);
+    if (!q->is_exhaustive) sph__box_tree_refit(&q->solid.tree, q->solid.boxes);
+    ++q->pose;
+}
+
+static const float *radii_of(const sph_query *q, uint32_t frame)
+{
+    return q->radii_per_frame ? q->frame_radii + (size_t)frame * q->sphere_count : q->frame_radii;
+}
+
+/* Between two frames, `share` of the way. */
+static void pose_between(sph_query *q, uint32_t before, uint32_t after, double share)
+{
+    const float *a = q->frame_centers + 3 * (size_t)before * q->sphere_count, *r = radii_of(q, before);
+    const float *b = q->frame_centers + 3 * (size_t)after * q->sphere_count, *t = radii_of(q, after);
+    for (size_t i = 0; i < q->sphere_count; ++i) {
+        for (size_t k = 0; k < 3; ++k)
+            q->solid.centers[i][k] = a[3 * i + k] + share * ((double)b[3 * i + k] - a[3 * i + k]);
+        q->solid.radii[i] = r[i] + share * ((double)t[i] - r[i]);
+    }
+    sph__query_repose(q);
+}
+
+sph_status sph_query_pose_frame(sph_query *q, uint32_t frame)
+{
+    if (q == NULL) return sph__fail(NULL, SPH_E_INVALID, "sph_query_pose_frame: the handle is NULL");
+    if (frame >= q->frame_count)
+        return sph__fail(q->context, SPH_E_INVALID, "frame %u of %u", (unsigned)frame, (unsigned)q->frame_count);
+    pose_between(q, frame, frame, 0);
+    return SPH_OK;
+}
+
+sph_status sph_query_pose_time(sph_query *q, double frame)
+{
+    uint32_t before;
+    if (q == NULL) return sph__fail(NULL, SPH_E_INVALID, "sph_query_pose_time: the handle is NULL");
+    if (!(frame >= 0 && frame <= (double)(q->frame_count - 1)))
+        return sph__fail(q->context, SPH_E_INVALID, "frame %g is not in [0, %u]", frame,
+                         (unsigned)(q->frame_count - 1));
+    before = (uint32_t)frame;
+    pose_between(q, before, before + 1 < q->frame_count ? before + 1 : before, frame - before);
+    return SPH_OK;
+}
+
+static const float *row_at(const float *rows, size_t stride, size_t i)
+{
+    return (const float *)((const char *)rows + i * stride);
+}
+
+sph_status sph__query_check_points(const sph_query *q, const char *name, const float *points, size_t *stride,
+                                   size_t count)
+{
+    enum { TIGHT = 3 * sizeof(float) };
+    size_t span;
+    if (points == NULL && count != 0) return sph__fail(q->context, SPH_E_INVALID, "%s: an argument is NULL", name);
+    if (*stride == 0) *stride = TIGHT;
+    if (*stride < TIGHT || !sph__multiply_size(count, *stride, &span) || span > PTRDIFF_MAX)
+        return sph__fail(q->context, SPH_E_INVALID, "%s: a stride of %zu bytes is out of range", name, *stride);
+    for (size_t i = 0; i < count; ++i) {
+        float x[3];
+        memcpy(x, row_at(points, *stride, i), sizeof x);
+        if (!isfinite(x[0]) || !isfinite(x[1]) || !isfinite(x[2]))
+            return sph__fail(q->context, SPH_E_INVALID, "%s: point %zu is not finite", name, i);
+    }
+    return SPH_OK;
+}
+
+sph_status sph_query_pose_centers(sph_query *q, const float *centers, size_t stride, const float *radii)
+{
+    sph_status status;
+    if (q == NULL || centers == NULL)
+        return sph__fail(q == NULL ? NULL : q->context, SPH_E_INVALID, "sph_query_pose_centers: an argument is NULL");
+    if (radii == NULL && q->radii_per_frame)
+        return sph__fail(q->context, SPH_E_INVALID, "sph_query_pose_centers: this level's radii vary: pass some");
+    status = sph__query_check_points(q, "sph_query_pose_centers", centers, &stride, q->sphere_count);
+    if (status != SPH_OK) return status;
+    if (radii == NULL) radii = q->frame_radii;
+    for (uint32_t i = 0; i < q->sphere_count; ++i)
+        if (!(isfinite(radii[i]) && radii[i] >= 0))
+            return sph__fail(q->context, SPH_E_INVALID, "sph_query_pose_centers: the radius of sphere %u is %g",
+                             (unsigned)i, (double)radii[i]);
+    for (uint32_t i = 0; i < q->sphere_count; ++i) {
+        float x[3];
+        memcpy(x, row_at(centers, stride, i), sizeof x);
+        for (int k = 0; k < 3; ++k)
+            q->solid.centers[i][k] = x[k];
+        q->solid.radii[i] = radii[i];
+    }
+    sph__query_repose(q);
+    return SPH_OK;
+}
+
+void sph__query_contact(const sph_query *q, uint32_t slot, const sph__contact *c, sph_contact *out)
+{
+    const sph__query_simplex *simplex = &q->simplices[slot];
+    const double unit = 1 / q->scale;
+    *out = (sph_contact){.simplex = simplex->number, .kind = simplex->kind};
+    for (int k = 0; k < 3; ++k) {
+        out->point[k] = c->point[k] * unit + q->origin[k];
+        out->normal[k] = c->normal[k];
+        out->spheres[k] = simplex->spheres[k];
+        for (int32_t i = 0; i < q->solid.corner_counts[slot]; ++i)
+            if (q->solid.corners[slot][i] == simplex->spheres[k]) out->weights[k] = c->weights[i];
+    }
+}
+
+void sph__query_no_contact(sph_contact *out)
+{
+    *out = (sph_contact){.spheres = {SPH_NO_SPHERE, SPH_NO_SPHERE, SPH_NO_SPHERE}};
+}
