@@ -71,7 +71,7 @@ void sph__io_mesh_release(sph__io_mesh *mesh);
  * number of a triangle, and is replaced by the line or byte where that triangle stands, for messages.
  */
 typedef sph_status sph__io_read_fn(const char *path, const sph__io_map *map, sph__io_mesh *mesh, size_t *watched);
-sph__io_read_fn sph__io_read_obj;
+sph__io_read_fn sph__io_read_obj, sph__io_read_ply, sph__io_read_off, sph__io_read_stl;
 sph__io_read_fn sph__io_read_gltf; /* at rest */
 
 /* Which reader a mesh file needs, by content and name; *read is NULL with SPH_E_UNSUPPORTED. */
