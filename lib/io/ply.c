@@ -222,10 +222,29 @@ static void load_vertices(sph__ply *s, const sph__ply_element *e)
     s->text.p += e->count * e->least;
 }
 
-/* `size` bytes of the file are the list's. */
+/* The usual face without detours; false leaves it to the others. */
+static inline bool load_triangle(sph__ply *s, const sph__ply_property *p, size_t count, instance *v)
+{
+    sph__io_mesh *mesh = s->mesh;
+    uint32_t *triangle = mesh->triangles + 3 * mesh->triangle_count;
+    if (count != 3 || (p->type != SPH__PLY_INT32 && p->type != SPH__PLY_UINT32)) return false;
+    if (mesh->triangle_count == mesh->triangle_capacity) return false;
+    for (unsigned i = 0; i < 3; ++i) {
+        const uint32_t index = sph__io_load_32(bytes(s) + 4 * i, s->big);
+        if (index >= s->vertex_count) return false; /* a negative one too */
+        triangle[i] = index;
+    }
+    ++mesh->triangle_count;
+    v->face.count = 3;
+    s->text.p += 12;
+    return true;
+}
+
+/* The file has room for them. */
 static sph_status load_corners(sph__ply *s, const sph__ply_property *p, size_t count, instance *v)
 {
     const size_t size = sph__ply_sizes[p->type];
+    if (load_triangle(s, p, count, v)) return SPH_OK;
     for (size_t i = 0; i < count; ++i, s->text.p += size) {
         int64_t index;
         sph_status status;

@@ -253,6 +253,45 @@ const char *write_cache(const char *name, uint32_t vertices, uint32_t frames)
     return path;
 }
 
+/* Counts, first coordinate and first index of each simplex in one line. */
+void check_content(sph_context *context, const char *path, const char *expected)
+{
+    sph_status status;
+    sph_animation *animation = open_one(context, path, NULL, &status);
+    const uint32_t n = sph_animation_vertex_count(animation);
+    float *xyz = test_malloc(3 * n + 1, sizeof *xyz);
+    char found[1000];
+    size_t length = 0;
+    ck_assert_msg(animation != NULL, "%s", sph_context_last_message(context));
+    ck_assert_uint_eq(sph_animation_frame_count(animation), 1);
+    ck_assert_int_eq(sph_animation_read_frame(animation, 0, xyz), SPH_OK);
+    for (uint32_t i = 0; i < n; ++i)
+        length += (size_t)snprintf(found + length, sizeof found - length, "%s%g %g %g", i == 0 ? "" : ", ",
+                                   (double)xyz[3 * i], (double)xyz[3 * i + 1], (double)xyz[3 * i + 2]);
+    for (size_t i = 0; i < sph_animation_triangle_count(animation); ++i) {
+        const uint32_t *t = sph_animation_triangles(animation) + 3 * i;
+        length += (size_t)snprintf(found + length, sizeof found - length, "%s%u %u %u", i == 0 ? "; f " : ", ", t[0],
+                                   t[1], t[2]);
+    }
+    for (size_t i = 0; i < sph_animation_edge_count(animation); ++i) {
+        const uint32_t *e = sph_animation_edges(animation) + 2 * i;
+        length +=
+            (size_t)snprintf(found + length, sizeof found - length, "%s%u %u", i == 0 ? "; l " : ", ", e[0], e[1]);
+    }
+    ck_assert_str_eq(found, expected);
+    free(xyz);
+    sph_animation_destroy(animation);
+}
+
+void check_refused(sph_context *context, const char *path, sph_status expected, const char *message)
+{
+    sph_status status;
+    ck_assert_ptr_null(open_one(context, path, NULL, &status));
+    ck_assert_msg(strstr(sph_context_last_message(context), message) != NULL, "«%s», not «%s»",
+                  sph_context_last_message(context), message);
+    ck_assert_int_eq(status, expected);
+}
+
 sph_animation *open_one(sph_context *context, const char *path, const sph_io_open_options *options, sph_status *status)
 {
     sph_animation *animation = NULL;

@@ -51,5 +51,9 @@ void check_frames(sph_context *context, const sph_animation *animation, uint32_t
 
 /* Opens one path; the animation, or NULL with *status. */
 sph_animation *open_one(sph_context *context, const char *path, const sph_io_open_options *options, sph_status *status);
+/* That the one frame, the triangles and the edges of a mesh are these: "0 0 0, 1 0 0, 0 1 0; f 0 1 2; l 0 1". */
+void check_content(sph_context *context, const char *path, const char *expected);
+/* That it is refused with this status and a message that has these words in it. */
+void check_refused(sph_context *context, const char *path, sph_status expected, const char *message);
 
 #endif
