@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Size. Quadrics go with the square of the input's size and their gradients with the cube, so at 32 bits the areas of an
- * input of size 1e-20 are zero. All is therefore computed at a size near 1, and brought back at the end. By powers of two:
- * they change no digit, so a scaled input gives the same collapses.
+ * Size. Quadrics go with the square of the input's size and their gradients with the cube, so at 32 bits the areas of
+ * an input of size 1e-20 are zero. All is therefore computed at a size near 1, and brought back at the end. By powers
+ * of two: they change no digit (but of what is below 2^-125 of the size), so a scaled input gives the same collapses.
  */
 #include <math.h>
 
@@ -20,7 +20,8 @@ typedef struct scaling {
 static void scale_range(void *argument, size_t begin, size_t end)
 {
     const scaling *s = argument;
-    for (size_t i = begin * s->node_floats; i < end * s->node_floats; ++i) s->rows[i] = (float)(s->rows[i] * s->factor);
+    for (size_t i = begin * s->node_floats; i < end * s->node_floats; ++i)
+        s->rows[i] = (float)(s->rows[i] * s->factor);
 }
 
 /* Factors go beyond what 32 bits hold, so they are doubles. */
