@@ -176,12 +176,12 @@ fi
 
 if wanted clang; then
     say "clang"
-    CC=clang CXX=clang++ build clang && run clang
+    CC=clang CXX=clang++ build clang && run clang --no-suite interrupt
 fi
 
 if wanted portable; then
     say "portable: without vector kernels, release optimisation, assertions of the tests on"
-    build portable -Dsimd=disabled -Doptimization=3 && run portable --no-suite io
+    build portable -Dsimd=disabled -Doptimization=3 && run portable --no-suite io --no-suite cli
 fi
 
 if wanted gcc && wanted clang && wanted portable; then
