@@ -8,7 +8,7 @@
 
 #include "io/stl.h"
 
-enum { NOBODY = UINT32_MAX };
+#define NOBODY UINT32_MAX
 
 /* The bits of a position, with one zero only. What is not finite is nothing special to them. */
 static void read_key(const float *xyz, uint32_t key[3])
