@@ -15,10 +15,13 @@ static const char HELP[] = "Builds the hierarchy of animated sphere-meshes of an
                            "usage: sphmesh build INPUT... -o F.sphm [OPTION]...\n"
                            "\n"
                            "INPUT is one mesh, as a rule with a point cache, or one mesh per frame: s2.obj\n"
-                           "comes before s10.obj; 's*.obj' (in quotes) or s%d.obj will do.\n"
+                           "comes before s10.obj; 's*.obj' (in quotes) or s%d.obj will do. A glTF alone\n"
+                           "brings its own animation.\n"
                            "\n"
                            "  -o, --output F.sphm         where the hierarchy goes\n"
                            "      --cache C               the frames of the mesh: a PC2 or MDD point cache\n"
+                           "      --clip NAME             one animation of a glTF; else all in a row\n"
+                           "      --fps N                 frames per second that a glTF is baked at (30)\n"
                            "      --frames A:B:STEP       frames A, A+STEP, ... below B only (from 0)\n"
                            "      --up y|z                axis that points up in the input (y)\n"
                            "      --scale S               multiply positions (1)\n"
@@ -37,6 +40,7 @@ static const char HELP[] = "Builds the hierarchy of animated sphere-meshes of an
                            "\n"
                            "examples:\n"
                            "  sphmesh build horse.obj --cache horse.pc2 -o horse.sphm\n"
+                           "  sphmesh build fox.glb --clip Run --fps 60 -o fox.sphm\n"
                            "  sphmesh build 'wolf/wolf_*.obj' --frames 0:20:2 -o wolf.sphm --json\n";
 
 typedef struct build_options {

@@ -70,6 +70,8 @@ sph_status input_open(session *s, const input_options *input, const arguments *p
     o.cache_path = input->cache;
     o.up_axis = input->up;
     o.scale = input->scale;
+    o.fps = input->fps;
+    o.clip = input->clip;
     if (frames != NULL && frames->given) {
         o.first_frame = frames->first;
         o.end_frame = frames->end;

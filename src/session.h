@@ -25,7 +25,8 @@ typedef struct input_options {
     const char *cache;
     frame_range frames;
     int up;
-    double scale;
+    double scale, fps;
+    const char *clip;
 } input_options;
 
 extern const char *const up_choices[];
@@ -33,12 +34,13 @@ extern const char *const up_choices[];
 #define INPUT_OPTIONS(input)                                                                                           \
     {"cache", 0, OPTION_TEXT, &(input).cache, 0, 0, NULL}, {"frames", 0, OPTION_FRAMES, &(input).frames, 0, 0, NULL},  \
         {"up", 0, OPTION_CHOICE, &(input).up, 0, 0, up_choices},                                                       \
+        {"fps", 0, OPTION_NUMBER, &(input).fps, 1e-3, 1e6, NULL}, {"clip", 0, OPTION_TEXT, &(input).clip, 0, 0, NULL}, \
     {                                                                                                                  \
         "scale", 0, OPTION_NUMBER, &(input).scale, -1e30, 1e30, NULL                                                   \
     }
 #define INPUT_DEFAULTS                                                                                                 \
     {                                                                                                                  \
-        .frames = {.step = 1}, .scale = 1                                                                              \
+        .frames = {.step = 1}, .scale = 1, .fps = 30                                                                   \
     }
 
 /* What can be wrong with it before any file is opened: DONE or USAGE. */
