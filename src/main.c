@@ -10,7 +10,7 @@
 #include "program.h"
 
 static const subcommand *const COMMANDS[] = {&build_command, &info_command, &level_command, &measure_command,
-                                             &demo_command};
+                                             &convert_command, &demo_command};
 enum { COMMAND_COUNT = sizeof COMMANDS / sizeof COMMANDS[0], WORD_MAX = 40 };
 
 int usage_error(const char *name, const char *format, ...)
@@ -84,7 +84,8 @@ static void print_help(void)
          "  sphmesh build horse.obj --cache horse.pc2 -o horse.sphm\n"
          "  sphmesh build 'frames/s*.obj' -o s.sphm           one mesh per frame\n"
          "  sphmesh level horse.sphm --spheres 40 -o horse-40.json\n"
-         "  sphmesh measure horse.obj --cache horse.pc2 --level horse-40.json\n\n"
+         "  sphmesh measure horse.obj --cache horse.pc2 --level horse-40.json\n"
+         "  sphmesh convert 'scan/s*.ply' -o scan.obj         OBJ with a PC2 cache\n\n"
          "All commands take --json (figures on stdout), --progress HOW (auto, bar, plain,\n"
          "json or none, on stderr), --quiet, --threads N and --help.\n"
          "Exit codes: 0 done, 1 failed or cancelled, 2 wrong usage.\n"
@@ -114,7 +115,7 @@ static int run(int argc, char **argv)
 {
     const subcommand *c;
     const char *word = argc > 1 ? argv[1] : "";
-    if (argc < 2) return usage_error(NULL, "no command; there are build, info, level, measure, demo and help");
+    if (argc < 2) return usage_error(NULL, "no command; there are build, info, level, measure, convert, demo and help");
     if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
         const unsigned v = sph_version();
         printf("sphmesh %u.%u.%u\n", v / 1000000, v / 1000 % 1000, v % 1000);

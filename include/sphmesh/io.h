@@ -110,6 +110,16 @@ SPH_API void sph_io_sort_natural(const char **names, size_t count);
 SPH_API sph_status sph_io_save_obj_pc2(sph_context *context, const sph_animation *animation, double first_frame,
                                        double frames_per_sample, const char *obj_path, const char *pc2_path);
 
+/**
+ * @brief Writes the animation's first frame, triangles and additional edges as OBJ, and all its frames as an MDD cache.
+ * @param[in] context            as for sph_io_save_obj_pc2(), as are the errors.
+ * @param[in] first_second       time of the first frame; finite; as a rule 0.
+ * @param[in] frames_per_second  finite and > 0; the format holds the time of each frame.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_save_obj_mdd(sph_context *context, const sph_animation *animation, double first_second,
+                                       double frames_per_second, const char *obj_path, const char *mdd_path);
+
 /** What a `.sphm` file holds. */
 enum { SPH_IO_HIERARCHY = 1, SPH_IO_LEVEL = 2 };
 
@@ -127,8 +137,8 @@ SPH_API sph_status sph_io_save_hierarchy(sph_context *context, const sph_hierarc
 SPH_API sph_status sph_io_load_hierarchy(sph_context *context, const char *path, sph_hierarchy **out);
 
 /**
- * @brief Saves a level; the name's ending says how: `.sphm`, `.json` (docs/formats.md), or `.obj` (frame 0's centres as
- *        vertices, triangles as faces, wire edges as lines, radii as comments).
+ * @brief Saves a level; the name's ending says how: `.sphm`, `.json` (docs/formats.md), or frame 0 alone as `.obj` or `.ply`
+ *        (centres as vertices, triangles as faces, wire edges as lines or edges, radii as comments or a property).
  * @retval SPH_E_UNSUPPORTED  another ending.
  * @since 0.1
  */

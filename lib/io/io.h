@@ -130,6 +130,8 @@ sph_status sph__io_output_open(sph_context *context, const char *path, sph__io_o
 void sph__io_output_bytes(sph__io_output *output, const void *bytes, size_t size);
 void sph__io_output_text(sph__io_output *output, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void sph__io_output_float(sph__io_output *output, float value);
+/* With blanks between. */
+void sph__io_output_floats(sph__io_output *output, const float *values, size_t count);
 /* Flushes and closes; the target is as it was. */
 sph_status sph__io_output_finish(sph__io_output *output);
 /* Puts the finished file in the target's place. */
@@ -159,6 +161,9 @@ sph_status sph__io_json_skip(sph__io_json *json);
 sph_status sph__io_json_next(sph__io_json *json, char close, bool *first, bool *more);
 
 sph_status sph__io_level_json_read(sph_context *context, const char *path, const sph__io_map *map, sph_level **out);
-void sph__io_level_json_write(sph__io_output *output, const sph_level_arrays *arrays);
+
+/* --- levels as what their names say (level_json.c, level_mesh.c) --- */
+typedef void sph__io_level_write_fn(sph__io_output *output, const sph_level_arrays *arrays);
+sph__io_level_write_fn sph__io_level_json_write, sph__io_level_obj_write, sph__io_level_ply_write;
 
 #endif

@@ -125,6 +125,14 @@ void sph__io_output_float(sph__io_output *output, float value)
     sph__io_output_bytes(output, text, sph__io_format_float(text, value));
 }
 
+void sph__io_output_floats(sph__io_output *output, const float *values, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        if (i != 0) sph__io_output_bytes(output, " ", 1);
+        sph__io_output_float(output, values[i]);
+    }
+}
+
 sph_status sph__io_output_finish(sph__io_output *output)
 {
     const int file = output->file;

@@ -87,46 +87,37 @@ sph_status sph_io_load_hierarchy(sph_context *context, const char *path, sph_hie
     return status;
 }
 
-/* Frame 0: centres as vertices, with their radii as comments; triangles as faces, wire edges as lines. */
-static void write_obj(sph__io_output *o, const sph_level_arrays *a)
+/* How a level is written under a name; NULL where it is not known. */
+static sph__io_level_write_fn *find_writer(const char *path)
 {
-    sph__io_output_text(o, "# a sphere-mesh: %u spheres, frame 0 of %u\n", (unsigned)a->sphere_count,
-                        (unsigned)a->frame_count);
-    for (size_t i = 0; i < a->sphere_count; ++i) {
-        sph__io_output_text(o, "v");
-        for (size_t j = 0; j < 3; ++j) {
-            sph__io_output_text(o, " ");
-            sph__io_output_float(o, a->centers[3 * i + j]);
-        }
-        sph__io_output_text(o, " # radius ");
-        sph__io_output_float(o, a->radii[i]);
-        sph__io_output_text(o, "\n");
-    }
-    for (size_t i = 0; i < a->triangle_count; ++i)
-        sph__io_output_text(o, "f %u %u %u\n", (unsigned)a->triangles[3 * i] + 1, (unsigned)a->triangles[3 * i + 1] + 1,
-                            (unsigned)a->triangles[3 * i + 2] + 1);
-    for (size_t i = 0; i < a->edge_count; ++i)
-        sph__io_output_text(o, "l %u %u\n", (unsigned)a->edges[2 * i] + 1, (unsigned)a->edges[2 * i + 1] + 1);
+    static const struct {
+        const char *ending;
+        sph__io_level_write_fn *write;
+    } WRITERS[] = {
+        {"json", sph__io_level_json_write}, {"obj", sph__io_level_obj_write}, {"ply", sph__io_level_ply_write}};
+    for (size_t i = 0; i < sizeof WRITERS / sizeof *WRITERS; ++i)
+        if (sph__io_has_ending(path, WRITERS[i].ending)) return WRITERS[i].write;
+    return NULL;
 }
 
 sph_status sph_io_save_level(sph_context *context, const sph_level *level, const char *path)
 {
     sph__io_output output;
     sph_level_arrays arrays = {.struct_size = sizeof arrays};
+    sph__io_level_write_fn *write;
     sph_status status = check_arguments(context, level, path, "sph_io_save_level");
     if (status != SPH_OK) return status;
-    if (!sph__io_has_ending(path, "sphm") && !sph__io_has_ending(path, "json") && !sph__io_has_ending(path, "obj"))
-        return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: levels are saved as .sphm, .json or .obj",
+    write = find_writer(path);
+    if (write == NULL && !sph__io_has_ending(path, "sphm"))
+        return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: levels are saved as .sphm, .json, .obj or .ply",
                             sph__io_shown(path));
     status = sph_level_get_arrays(level, &arrays);
     if (status == SPH_OK) status = sph__io_output_open(context, path, &output);
     if (status != SPH_OK) return status;
-    if (sph__io_has_ending(path, "sphm"))
+    if (write == NULL)
         status = sph_level_write(level, write_bytes, &output);
-    else if (sph__io_has_ending(path, "json"))
-        sph__io_level_json_write(&output, &arrays);
     else
-        write_obj(&output, &arrays);
+        write(&output, &arrays);
     return close_output(&output, status);
 }
 

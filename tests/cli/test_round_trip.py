@@ -5,6 +5,7 @@ import itertools
 import json
 import os
 import shutil
+import struct
 import tempfile
 
 from support import Case, main
@@ -188,8 +189,66 @@ class RoundTrip(InFolder):
         self.assertIn("--weld", self.succeeds("info", "seam.obj").stdout)
 
 
+class Convert(InFolder):
+    def test_there_and_back_again_gives_the_same_bytes(self):
+        told = self.json("convert", *INPUT, "-o", "a.mdd", "--rate", 25)
+        self.assertEqual((told["mesh"], told["cache"], told["frames"]), ("a.obj", "a.mdd", FRAMES))
+        self.assertEqual(told["bytes"], len(content("a.obj")) + len(content("a.mdd")))
+        mdd = content("a.mdd")
+        self.assertEqual(struct.unpack(f">2i{FRAMES}f", mdd[:8 + 4 * FRAMES])[2:],
+                         struct.unpack(f"{FRAMES}f", struct.pack(f"{FRAMES}f", *(f / 25 for f in range(FRAMES)))))
+        self.succeeds("convert", "a.obj", "--cache", "a.mdd", "-o", "b.obj")
+        self.assertEqual(content("b.obj"), content("creature.obj"))
+        self.assertEqual(content("b.pc2"), content("creature.pc2"))
+        self.succeeds("convert", *INPUT, "--frames", "2:5:2", "-o", "c.PC2")
+        self.assertEqual(self.json("info", "c.obj", "--cache", "c.PC2")["frames"], 2)
+
+    def test_sequences_of_every_format_become_the_same_cache(self):
+        frames = [[(0, 0, 0), (1, 0, f), (1, 1, 0), (0, 1, 0.5 * f)] for f in range(11)]
+        faces = [(0, 1, 2), (0, 2, 3)]
+        text = [[" ".join(map(str, v)) for v in frame] for frame in frames]
+        for f, (frame, lines) in enumerate(zip(frames, text)):
+            header = "\n".join(["ply", "format binary_big_endian 1.0", "element vertex 4", *(f"property float {a}"
+                               for a in "xyz"), "element face 2", "property list uchar int vertex_index", "end_header\n"])
+            data = {"obj": "".join(f"v {v}\n" for v in lines) + "f 1 2 3 4\n",
+                    "off": "OFF\n4 1 0\n" + "\n".join(lines) + "\n4 0 1 2 3\n",
+                    "stl": "solid\n" + "".join("facet normal 0 0 0\nouter loop\n" + "".join(
+                        f"vertex {lines[i]}\n" for i in t) + "endloop\nendfacet\n" for t in faces) + "endsolid\n",
+                    "ply": header.encode() + b"".join(struct.pack(">3f", *v) for v in frame)
+                           + b"".join(struct.pack(">B3i", 3, *t) for t in faces)}
+            for ending, bytes_ in data.items():
+                with open(os.path.join(FOLDER, f"frame{f}.{ending}"), "wb") as file:
+                    file.write(bytes_ if isinstance(bytes_, bytes) else bytes_.encode())
+        for ending in ("obj", "off", "stl", "ply"):
+            told = self.json("convert", f"frame*.{ending}", "-o", f"to-{ending}.obj")
+            self.assertEqual((told["vertices"], told["triangles"], told["frames"]), (4, 2, 11))
+            self.assertEqual(content(f"to-{ending}.obj"), content("to-obj.obj"))
+            values = struct.unpack("<132f", content(f"to-{ending}.pc2")[32:])
+            self.assertEqual(list(values), [x for frame in frames for v in frame for x in v])
+
+    def test_welding_unites_what_coincides(self):
+        with open(os.path.join(FOLDER, "two.off"), "w") as file:
+            file.write("OFF\n6 2 0\n0 0 0\n1 0 0\n0 1 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 3 4 5\n")
+        self.assertEqual(self.json("convert", "two.off", "-o", "two.obj")["vertices"], 6)
+        self.assertEqual(self.json("convert", "two.off", "-o", "two.obj", "--weld")["vertices"], 4)
+
+    def test_a_level_as_ply_is_frame_0_of_the_level(self):
+        self.succeeds("level", "creature.sphm", "--spheres", 33, "-o", "p.json")
+        self.succeeds("level", "creature.sphm", "--spheres", 33, "-o", "p.ply")
+        level = json.loads(content("p.json"))
+        header, body = content("p.ply").decode().split("end_header\n")
+        for line in ("format ascii 1.0", "element vertex 33", "property float radius",
+                     f"element face {len(level['triangles'])}", f"element edge {len(level['edges'])}"):
+            self.assertIn(line + "\n", header)
+        rows = [list(map(float, line.split())) for line in body.splitlines()]
+        self.assertEqual(rows[:33], [c + [r] for c, r in zip(level["centers"][0], level["radii"])])
+        self.assertEqual(rows[33:], [[3, *t] for t in level["triangles"]] + level["edges"])
+        self.assertEqual(self.json("info", "p.ply")["vertices"], 33)
+
+
 class Output(InFolder):
-    WORK = [["build", *INPUT, "-o", "o.sphm"], ["info", *INPUT], ["info", "creature.sphm"], ["info", "level-10.json"],
+    WORK = [["convert", *INPUT, "-o", "o.obj"],
+            ["build", *INPUT, "-o", "o.sphm"], ["info", *INPUT], ["info", "creature.sphm"], ["info", "level-10.json"],
             ["level", "creature.sphm", "--spheres", "9", "-o", "o.json"],
             ["measure", *INPUT, "--level", "level-10.json", "--samples", "50"]]
 
@@ -215,7 +274,7 @@ class Output(InFolder):
         self.assertIn("building", last)
 
     def test_progress_is_silent_where_stderr_is_no_terminal(self):
-        self.assertEqual(self.succeeds(*self.WORK[0]).stderr, "")
+        self.assertEqual(self.succeeds(*self.WORK[1]).stderr, "")
 
     def test_an_output_that_cannot_be_written_is_named(self):
         self.refuses(1, "no/such/folder", "level", "creature.sphm", "--spheres", 9, "-o", "no/such/folder/o.json")

@@ -7,7 +7,7 @@ import tempfile
 
 from support import PROGRAM, Case, main, run
 
-COMMANDS = ["build", "info", "level", "measure", "demo"]
+COMMANDS = ["build", "info", "level", "measure", "convert", "demo"]
 
 
 class Help(Case):
@@ -76,6 +76,10 @@ class WrongUsage(Case):
         self.refuses(2, "'a.txt' does not end in", "level", "a.sphm", "-o", "a.txt", "--spheres", 4)
         self.refuses(2, "one hierarchy", "level", "-o", "a.json", "--spheres", 4)
         self.refuses(2, "--level is missing", "measure", "a.obj")
+        self.refuses(2, "-o is missing", "convert", "a.obj")
+        self.refuses(2, "no input", "convert", "-o", "b.obj")
+        self.refuses(2, "'b.ply' does not end in", "convert", "a.obj", "-o", "b.ply")
+        self.refuses(2, "--rate: '0'", "convert", "a.obj", "-o", "b.mdd", "--rate", 0)
         self.refuses(2, "--samples: '0'", "measure", "a.obj", "--level", "a.json", "--samples", 0)
         self.refuses(2, "--resolution: '3'", "demo", "--resolution", 3)
         self.refuses(2, "'folder'", "demo", "folder")
@@ -85,6 +89,7 @@ class Failures(Case):
     def test_files_that_are_not_there_are_named(self):
         for arguments in (["info", "nowhere.obj"], ["info", "nowhere.sphm"], ["info", "nowhere.json"],
                           ["build", "nowhere.obj", "-o", "a.sphm"],
+                          ["convert", "nowhere.stl", "-o", "a.obj"],
                           ["level", "nowhere.sphm", "--spheres", "4", "-o", "a.json"],
                           ["measure", "a.obj", "--level", "nowhere.json"]):
             done = self.refuses(1, "nowhere.", *arguments)
