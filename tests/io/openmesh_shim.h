@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* OpenMesh's OBJ reader, for C. */
+/* OpenMesh's readers and writers, for C. */
 #ifndef SPH_TEST_OPENMESH_SHIM_H
 #define SPH_TEST_OPENMESH_SHIM_H
 
@@ -19,6 +19,17 @@ typedef struct openmesh_mesh {
 
 /* 1 when OpenMesh read the file. */
 int openmesh_read(const char *path, openmesh_mesh *mesh);
+/* What a written file has besides vertices and faces; and how it is written. */
+enum {
+    OPENMESH_BINARY = 1,
+    OPENMESH_BIG = 2,
+    OPENMESH_NORMALS = 4,
+    OPENMESH_COLORS = 8,
+    OPENMESH_TEXTURE = 16,
+    OPENMESH_FACE_COLORS = 32
+};
+/* 1 when OpenMesh wrote the file; normals, colours and so on are of no meaning. */
+int openmesh_write(const char *path, const openmesh_mesh *mesh, unsigned flags);
 void openmesh_free(openmesh_mesh *mesh);
 
 #ifdef __cplusplus

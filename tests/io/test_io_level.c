@@ -258,21 +258,27 @@ START_TEST(nesting_without_end_is_refused)
 }
 END_TEST
 
-START_TEST(a_level_as_obj_has_its_first_frame_and_its_simplices)
+START_TEST(a_level_as_a_mesh_has_its_first_frame_and_its_simplices)
 {
+    static const char *const TEXTS[] = {
+        "# a sphere-mesh: 3 spheres, frame 0 of 2\nv 0 0 0 # radius 1\n"
+        "v 1.5 0 0 # radius 0.25\nv 0 0.1 0 # radius 0\nf 1 2 3\nl 3 1\n",
+        "ply\nformat ascii 1.0\ncomment a sphere-mesh: 3 spheres, frame 0 of 2\nelement vertex 3\nproperty float x\n"
+        "property float y\nproperty float z\nproperty float radius\nelement face 1\nproperty list uchar int "
+        "vertex_indices\nelement edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n0 0 0 1\n1.5 0 0 "
+        "0.25\n0 0.1 0 0\n3 0 1 2\n2 0\n"};
     static const float CENTERS[] = {0, 0, 0, 1.5f, 0, 0, 0, 0.1f, 0, 9, 9, 9, 9, 9, 9, 9, 9, 9},
                        RADII[] = {1, 0.25f, 0};
     static const uint32_t EDGE[] = {2, 0}, TRIANGLE[] = {0, 1, 2};
     const sph_level_arrays a = {sizeof a, 3, 2, 0, CENTERS, RADII, 1, EDGE, 1, TRIANGLE, 0, NULL};
-    const char *path = file_path("l.obj");
+    const char *path = file_path(_i == 0 ? "l.obj" : "l.ply");
     sph_level *level;
     unsigned char *text;
     size_t size;
     ck_assert_int_eq(sph_level_create_from_arrays(context, &a, &level), SPH_OK);
     ck_assert_int_eq(sph_io_save_level(context, level, path), SPH_OK);
     text = file_read(path, &size);
-    ck_assert_str_eq((const char *)text, "# a sphere-mesh: 3 spheres, frame 0 of 2\nv 0 0 0 # radius 1\n"
-                                         "v 1.5 0 0 # radius 0.25\nv 0 0.1 0 # radius 0\nf 1 2 3\nl 3 1\n");
+    ck_assert_str_eq((const char *)text, TEXTS[_i]);
     free(text);
     sph_level_destroy(level);
 }
@@ -383,7 +389,7 @@ int main(void)
     tcase_add_test(tc, the_least_json_is_enough);
     tcase_add_loop_test(tc, wrong_json_is_refused_with_what_and_where, 0, (int)(sizeof BAD / sizeof *BAD));
     tcase_add_loop_test(tc, nesting_without_end_is_refused, 0, 2);
-    tcase_add_test(tc, a_level_as_obj_has_its_first_frame_and_its_simplices);
+    tcase_add_loop_test(tc, a_level_as_a_mesh_has_its_first_frame_and_its_simplices, 0, 2);
     tcase_add_test(tc, other_endings_are_refused);
     tcase_add_test(tc, a_sphm_file_tells_what_it_holds);
     tcase_add_test(tc, a_sphm_level_has_the_documented_bytes);

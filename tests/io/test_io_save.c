@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Writers: files are whole or not there; OBJ with PC2; hierarchies. */
+/* Writers: files are whole or not there; OBJ with PC2 or MDD; hierarchies. */
 #include <check.h>
 #include <math.h>
 #include <signal.h>
@@ -193,6 +193,62 @@ START_TEST(an_animation_comes_back_from_obj_and_pc2_with_the_same_bits)
 }
 END_TEST
 
+START_TEST(an_animation_comes_back_from_obj_and_mdd_with_the_same_bits)
+{
+    enum { FRAMES = 3 };
+    sph_animation *animation = test_torus(context, 7, 5, FRAMES), *back;
+    const char *obj = file_path("a.obj"), *mdd = file_path("a.mdd");
+    const uint32_t n = sph_animation_vertex_count(animation);
+    float *xyz = test_malloc(3 * n, sizeof *xyz);
+    layout expected = {NULL, 0, 0};
+    unsigned char *bytes;
+    size_t size;
+    sph_io_open_options options;
+    sph_status status;
+    ck_assert_int_eq(sph_io_save_obj_mdd(context, animation, 0.5, 24, obj, mdd), SPH_OK);
+    ck_assert_uint_eq(file_count(), 2);
+    put_big(&expected, FRAMES, 4);
+    put_big(&expected, n, 4);
+    for (unsigned f = 0; f < FRAMES; ++f)
+        put_big_float(&expected, (float)(0.5 + f / 24.0));
+    for (uint32_t f = 0; f < FRAMES; ++f) {
+        ck_assert_int_eq(sph_animation_read_frame(animation, f, xyz), SPH_OK);
+        for (uint32_t i = 0; i < 3 * n; ++i)
+            put_big_float(&expected, xyz[i]);
+    }
+    bytes = file_read(mdd, &size);
+    ck_assert_uint_eq(size, expected.size);
+    ck_assert_mem_eq(bytes, expected.bytes, size);
+    sph_io_open_options_init(&options, sizeof options);
+    options.cache_path = mdd;
+    back = open_one(context, obj, &options, &status);
+    ck_assert_uint_eq(sph_animation_frame_count(back), FRAMES);
+    sph_animation_destroy(back);
+    free(bytes);
+    free(xyz);
+    layout_free(&expected);
+    sph_animation_destroy(animation);
+}
+END_TEST
+
+START_TEST(a_failing_source_leaves_the_old_mdd_too)
+{
+    sph_animation *inner = test_sphere(context, 1, 3), *animation;
+    test_source source = {.from = inner, .fail_at = 2, .failure = SPH_E_IO};
+    unsigned char *text;
+    size_t size;
+    file_text("a.mdd", "old mdd");
+    animation = test_pulled(context, &source);
+    ck_assert_int_eq(sph_io_save_obj_mdd(context, animation, 0, 1, file_path("a.obj"), file_path("a.mdd")), SPH_E_IO);
+    text = file_read(file_path("a.mdd"), &size);
+    ck_assert_str_eq((const char *)text, "old mdd");
+    free(text);
+    ck_assert_uint_eq(file_count(), 1);
+    sph_animation_destroy(animation);
+    sph_animation_destroy(inner);
+}
+END_TEST
+
 static sph_status keep(void *user, const void *bytes, size_t size)
 {
     put_bytes(user, bytes, size);
@@ -266,6 +322,12 @@ START_TEST(arguments_are_checked)
     ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 0, 0, path, other), SPH_E_INVALID);
     ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 0, -1, path, other), SPH_E_INVALID);
     ck_assert_int_eq(sph_io_save_obj_pc2(context, animation, 0, INFINITY, path, other), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_save_obj_mdd(NULL, animation, 0, 1, path, other), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_save_obj_mdd(context, NULL, 0, 1, path, other), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_save_obj_mdd(context, animation, 0, 1, path, path), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_save_obj_mdd(context, animation, INFINITY, 1, path, other), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_save_obj_mdd(context, animation, 0, 0, path, other), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_save_obj_mdd(context, animation, 0, NAN, path, other), SPH_E_INVALID);
     ck_assert_int_eq(sph_io_save_hierarchy(context, NULL, path), SPH_E_INVALID);
     ck_assert_int_eq(sph_io_load_hierarchy(NULL, path, &hierarchy), SPH_E_INVALID);
     ck_assert_ptr_null(hierarchy);
@@ -289,6 +351,8 @@ int main(void)
     tcase_add_loop_test(tc, a_disk_that_is_full_after_any_number_of_bytes_leaves_the_old_files, 0, 5);
     tcase_add_loop_test(tc, saving_may_be_cancelled_at_any_frame, 0, 4);
     tcase_add_test(tc, an_animation_comes_back_from_obj_and_pc2_with_the_same_bits);
+    tcase_add_test(tc, an_animation_comes_back_from_obj_and_mdd_with_the_same_bits);
+    tcase_add_test(tc, a_failing_source_leaves_the_old_mdd_too);
     tcase_add_test(tc, arguments_are_checked);
     return run_suite(suite_create("io writers"), tc);
 }
