@@ -19,7 +19,9 @@ static const char HELP[] = "Writes an animated mesh as OBJ with a point cache, w
                            "      --cache C               the frames of the mesh: a PC2 or MDD point cache\n"
                            "      --frames A:B:STEP       frames A, A+STEP, ... below B only (from 0)\n"
                            "      --up y|z, --scale S     as for 'sphmesh build'\n"
-                           "      --rate N                frames per second, for the times in OUT.mdd (30)\n"
+                           "      --clip NAME             one animation of a glTF; else all in a row\n"
+                           "      --fps N                 frames per second: a glTF is baked at it, and\n"
+                           "                              OUT.mdd has its times by it (30)\n"
                            "      --weld                  unite vertices that coincide in all frames (seams)\n"
                            "      --json                  figures as JSON on stdout\n"
                            "      --progress HOW          auto, bar, plain, json or none, on stderr (auto)\n"
@@ -34,7 +36,6 @@ typedef struct convert_options {
     common_options common;
     input_options input;
     const char *output;
-    double rate;
     bool weld;
     bool mdd;
     char *mesh, *cache; /* what is written; free() */
@@ -66,11 +67,10 @@ static int parse(convert_options *c, int argc, char **argv, arguments *paths)
 {
     const option table[] = {{"output", 'o', OPTION_TEXT, &c->output, 0, 0, NULL},
                             INPUT_OPTIONS(c->input),
-                            {"rate", 0, OPTION_NUMBER, &c->rate, 0.001, 1e6, NULL},
                             {"weld", 0, OPTION_FLAG, &c->weld, 0, 0, NULL},
                             COMMON_OPTIONS(c->common)};
     int result;
-    *c = (convert_options){.input = INPUT_DEFAULTS, .rate = 30};
+    *c = (convert_options){.input = INPUT_DEFAULTS};
     result = options_parse("convert", table, argc, argv, paths);
     if (result != DONE || c->common.help) return result;
     result = input_check("convert", &c->input, paths);
@@ -121,7 +121,7 @@ static int convert(session *s, const convert_options *c, const arguments *paths)
     if (status == SPH_OK && interrupted()) status = SPH_E_CANCELLED;
     if (status == SPH_OK) {
         progress_start(&s->progress, "writing");
-        status = c->mdd ? sph_io_save_obj_mdd(s->context, animation, 0, c->rate, c->mesh, c->cache)
+        status = c->mdd ? sph_io_save_obj_mdd(s->context, animation, 0, c->input.fps, c->mesh, c->cache)
                         : sph_io_save_obj_pc2(s->context, animation, 0, 1, c->mesh, c->cache);
         progress_end(&s->progress);
     }

@@ -191,7 +191,7 @@ class RoundTrip(InFolder):
 
 class Convert(InFolder):
     def test_there_and_back_again_gives_the_same_bytes(self):
-        told = self.json("convert", *INPUT, "-o", "a.mdd", "--rate", 25)
+        told = self.json("convert", *INPUT, "-o", "a.mdd", "--fps", 25)
         self.assertEqual((told["mesh"], told["cache"], told["frames"]), ("a.obj", "a.mdd", FRAMES))
         self.assertEqual(told["bytes"], len(content("a.obj")) + len(content("a.mdd")))
         mdd = content("a.mdd")

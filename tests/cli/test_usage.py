@@ -79,7 +79,7 @@ class WrongUsage(Case):
         self.refuses(2, "-o is missing", "convert", "a.obj")
         self.refuses(2, "no input", "convert", "-o", "b.obj")
         self.refuses(2, "'b.ply' does not end in", "convert", "a.obj", "-o", "b.ply")
-        self.refuses(2, "--rate: '0'", "convert", "a.obj", "-o", "b.mdd", "--rate", 0)
+        self.refuses(2, "--fps: '0'", "convert", "a.obj", "-o", "b.mdd", "--fps", 0)
         self.refuses(2, "--samples: '0'", "measure", "a.obj", "--level", "a.json", "--samples", 0)
         self.refuses(2, "--resolution: '3'", "demo", "--resolution", 3)
         self.refuses(2, "'folder'", "demo", "folder")
