@@ -46,7 +46,7 @@ typedef struct sph_hierarchy_options {
     int32_t radius_mode;              /**< one of SPH_RADIUS_*; default constant */
     double radius_factor;             /**< rho, radius bound = rho * width of the region; >= 0; default 3/4 */
     double temporal_coherence;        /**< delta of Eq. 11-12; >= 0, dimensionless; default 0: none */
-    uint32_t width_directions;        /**< directions the width is taken over, 3 to 1024; default 16 */
+    uint32_t width_directions;        /**< directions the width is taken over, 3 to 1024; default 30 */
     int32_t orientation;              /**< one of SPH_ORIENTATION_*; default outward */
     const float *importance_weights;  /**< for SPH_IMPORTANCE_CALLER: weight of vertex i in frame f at element f * importance_frame_stride + i; finite, >= 0 */
     size_t importance_frame_stride;   /**< elements; 0: the same n weights serve all frames */

@@ -10,7 +10,7 @@ static const sph_hierarchy_options DEFAULTS = {.struct_size = sizeof(sph_hierarc
                                                .importance = SPH_IMPORTANCE_CURVATURE,
                                                .radius_mode = SPH_RADIUS_CONSTANT,
                                                .radius_factor = 0.75,
-                                               .width_directions = 16,
+                                               .width_directions = 30,
                                                .orientation = SPH_ORIENTATION_OUTWARD};
 
 void sph_hierarchy_options_init(sph_hierarchy_options *options, size_t size)

@@ -51,7 +51,7 @@ START_TEST(options_have_the_documented_defaults)
     ck_assert_int_eq(o.radius_mode, SPH_RADIUS_CONSTANT);
     ck_assert_double_eq(o.radius_factor, 0.75);
     ck_assert_double_eq(o.temporal_coherence, 0);
-    ck_assert_uint_eq(o.width_directions, 16);
+    ck_assert_uint_eq(o.width_directions, 30);
     ck_assert_int_eq(o.orientation, SPH_ORIENTATION_OUTWARD);
     ck_assert_ptr_null(o.importance_weights);
     ck_assert_uint_eq(o.importance_frame_stride, 0);
