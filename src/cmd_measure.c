@@ -57,17 +57,6 @@ static int parse(measure_options *m, int argc, char **argv, arguments *paths)
     return input_check("measure", &m->input, paths);
 }
 
-static int load_level(session *s, const char *path, sph_level **out)
-{
-    sph_status status = SPH_OK;
-    int32_t kind = SPH_IO_LEVEL;
-    if (name_ends(path, ".sphm")) status = sph_io_identify(s->context, path, &kind);
-    if (status == SPH_OK && kind == SPH_IO_HIERARCHY)
-        return failure("%s: holds a hierarchy; take a level first: sphmesh level %s --spheres K -o L.json", path, path);
-    if (status == SPH_OK) status = sph_io_load_level(s->context, path, out);
-    return status == SPH_OK ? DONE : session_fail(s, status, path);
-}
-
 /* Frames of 0 .. frame_count - 1 that a range has. */
 static uint32_t range_count(const frame_range *r, uint32_t frame_count)
 {

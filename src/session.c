@@ -94,6 +94,17 @@ int output_check_level(const char *command, const char *path)
     return usage_error(command, "-o: '%s' does not end in .json, .obj, .ply or .sphm", path);
 }
 
+int load_level(session *s, const char *path, sph_level **out)
+{
+    sph_status status = SPH_OK;
+    int32_t kind = SPH_IO_LEVEL;
+    if (name_ends(path, ".sphm")) status = sph_io_identify(s->context, path, &kind);
+    if (status == SPH_OK && kind == SPH_IO_HIERARCHY)
+        return failure("%s: holds a hierarchy; take a level first: sphmesh level %s --spheres K -o L.json", path, path);
+    if (status == SPH_OK) status = sph_io_load_level(s->context, path, out);
+    return status == SPH_OK ? DONE : session_fail(s, status, path);
+}
+
 uint64_t file_size(const char *path)
 {
     struct stat info;

@@ -48,6 +48,8 @@ int input_check(const char *command, const input_options *input, const arguments
 /* Opens the frames in `frames` of the input; NULL: all. */
 sph_status input_open(session *s, const input_options *input, const arguments *paths, const frame_range *frames,
                       sph_animation **out);
+/* Loads a level, .json or .sphm: DONE, or FAILED after it has said why. */
+int load_level(session *s, const char *path, sph_level **out);
 /* True where the name ends like this, in either case. */
 bool name_ends(const char *name, const char *ending);
 /* DONE, or USAGE where no level can be written under such a name. */

@@ -143,6 +143,18 @@ SPH_API sph_status sph_io_load_hierarchy(sph_context *context, const char *path,
  * @since 0.1
  */
 SPH_API sph_status sph_io_save_level(sph_context *context, const sph_level *level, const char *path);
+/**
+ * @brief Saves one frame of a surface with its normals; the name's ending says how: `.obj`, or `.ply` (binary).
+ * @param[in] context  takes the message of a failure.
+ * @param[in] index    which of the frames that were extracted.
+ * @retval SPH_E_INVALID      NULL or an index out of range.
+ * @retval SPH_E_UNSUPPORTED  another ending.
+ * @retval SPH_E_IO           the file cannot be written: the message has the path and the reason.
+ * @retval SPH_E_NOMEM        out of memory.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_save_surface(sph_context *context, const sph_surface *surface, uint32_t index,
+                                       const char *path);
 /** @brief Loads a level from `.sphm` or `.json`. @since 0.1 */
 SPH_API sph_status sph_io_load_level(sph_context *context, const char *path, sph_level **out);
 

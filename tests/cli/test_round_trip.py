@@ -132,6 +132,20 @@ class RoundTrip(InFolder):
         self.assertLessEqual(told["error_percent"], 1.0000001 * row["error_percent"])
         self.assertEqual(self.json("info", "e.sphm")["spheres"], told["spheres"])
 
+    def test_the_surface_of_a_level_is_closed_manifold_and_outward(self):
+        self.succeeds("level", "creature.sphm", "--spheres", 20, "-o", "s.sphm")
+        for ending in ("obj", "ply"):
+            told = self.json("surface", "s.sphm", "--frame", 1, "--resolution", 60, "-o", "s." + ending)
+            info = self.json("info", "s." + ending)
+            self.assertEqual((info["vertices"], info["triangles"]), (told["vertices"], told["triangles"]))
+            wrong = {k: v for k, v in info["check"].items() if v and k not in ("components", "degenerate_triangles")}
+            self.assertEqual(wrong, {})
+        self.refuses(1, "first_frame is 999", "surface", "s.sphm", "--frame", 999, "-o", "no.ply")
+        self.refuses(1, "memory_limit", "surface", "s.sphm", "--memory", 1, "--resolution", 500, "-o", "no.ply")
+        self.refuses(1, "holds a hierarchy", "surface", "creature.sphm", "-o", "no.ply")
+        self.refuses(2, "'no.txt' does not end in", "surface", "s.sphm", "-o", "no.txt")
+        self.assertFalse(os.path.exists(os.path.join(FOLDER, "no.ply")))
+
     def test_optimized_connectivity_keeps_the_spheres(self):
         self.succeeds("level", "creature.sphm", "--spheres", 30, "-o", "plain.json")
         self.succeeds("level", "creature.sphm", "--spheres", 30, "-o", "dual.json", "--optimize-connectivity")

@@ -7,7 +7,7 @@ import tempfile
 
 from support import PROGRAM, Case, main, run
 
-COMMANDS = ["build", "info", "level", "measure", "convert", "demo"]
+COMMANDS = ["build", "info", "level", "measure", "convert", "surface", "demo"]
 
 
 class Help(Case):

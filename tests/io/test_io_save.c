@@ -4,6 +4,7 @@
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -339,6 +340,42 @@ START_TEST(arguments_are_checked)
 }
 END_TEST
 
+/* What is read back: vertices and triangles with the same bits; normals are not read. */
+START_TEST(a_surface_comes_back_from_obj_and_ply)
+{
+    const char *path = _i == 0 ? file_path("s.obj") : file_path("s.ply");
+    const sph_surface_options options = {sizeof options, 0, 12, 0, 1, 0, 1 << 24};
+    sph_level *level = make_level();
+    sph_surface *surface;
+    sph_animation *animation;
+    float *xyz;
+    size_t vertices, triangles;
+    ck_assert_int_eq(sph_surface_create(level, &options, &surface), SPH_OK);
+    vertices = sph_surface_vertex_count(surface, 0);
+    triangles = sph_surface_triangle_count(surface, 0);
+    ck_assert_int_eq(sph_io_save_surface(context, surface, 0, path), SPH_OK);
+    ck_assert_msg(sph_io_open_animation(context, &path, 1, NULL, &animation) == SPH_OK, "%s",
+                  sph_context_last_message(context));
+    ck_assert_uint_eq(sph_animation_vertex_count(animation), vertices);
+    ck_assert_uint_eq(sph_animation_triangle_count(animation), triangles);
+    ck_assert_mem_eq(sph_animation_triangles(animation), sph_surface_triangles(surface, 0), 12 * triangles);
+    xyz = test_malloc(vertices, 12);
+    ck_assert_int_eq(sph_animation_read_frame(animation, 0, xyz), SPH_OK);
+    ck_assert_mem_eq(xyz, sph_surface_positions(surface, 0), 12 * vertices);
+    free(xyz);
+    ck_assert_int_eq(sph_io_save_surface(context, surface, 1, path), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_save_surface(context, surface, 0, file_path("s.stl")), SPH_E_UNSUPPORTED);
+    ck_assert_int_eq(sph_io_save_surface(context, surface, 0, file_path("none/s.ply")), SPH_E_IO);
+    ck_assert_int_eq(sph_io_save_surface(context, NULL, 0, path), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_save_surface(NULL, surface, 0, path), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_save_surface(context, surface, 0, NULL), SPH_E_INVALID);
+    ck_assert_uint_eq(file_count(), 1);
+    sph_animation_destroy(animation);
+    sph_surface_destroy(surface);
+    sph_level_destroy(level);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tc = tcase_create("all");
@@ -353,6 +390,7 @@ int main(void)
     tcase_add_test(tc, an_animation_comes_back_from_obj_and_pc2_with_the_same_bits);
     tcase_add_test(tc, an_animation_comes_back_from_obj_and_mdd_with_the_same_bits);
     tcase_add_test(tc, a_failing_source_leaves_the_old_mdd_too);
+    tcase_add_loop_test(tc, a_surface_comes_back_from_obj_and_ply, 0, 2);
     tcase_add_test(tc, arguments_are_checked);
     return run_suite(suite_create("io writers"), tc);
 }
