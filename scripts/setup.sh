@@ -5,7 +5,7 @@
 #   scripts/setup.sh --demo   what scripts/demo.sh needs
 set -euo pipefail
 
-demo_packages=(gcc libc6-dev meson ninja-build pkgconf)
+demo_packages=(gcc libc6-dev meson ninja-build pkgconf libpng-dev)
 test_packages=(
     g++ clang             # the second compiler, and C++ for what is tested against
     check                 # the test framework

@@ -10,7 +10,11 @@
 #include "program.h"
 
 static const subcommand *const COMMANDS[] = {&build_command, &info_command, &level_command, &measure_command,
-                                             &convert_command, &surface_command, &demo_command};
+                                             &convert_command, &surface_command,
+#ifdef HAVE_PNG
+                                             &render_command,
+#endif
+                                             &demo_command};
 enum { COMMAND_COUNT = sizeof COMMANDS / sizeof COMMANDS[0], WORD_MAX = 40 };
 
 int usage_error(const char *name, const char *format, ...)
