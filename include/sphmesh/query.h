@@ -174,7 +174,7 @@ enum {
  * cells may be taken for closed, and what is behind it for a cavity; sheets of no thickness are always tight.
  * @param[in]  cavities  one of SPH_CAVITY_*.
  * @param[out] inside    `count` values, 1 or 0; untouched on failure. Other arguments and errors as sph_query_nearest().
- * @retval SPH_E_NOMEM  no memory for the grid (0.5 MB, taken at the first such call and kept).
+ * @retval SPH_E_NOMEM  no memory for the grid (0.3 MB, taken at the first such call and kept).
  * @par Cost  As sph_query_nearest(), and some milliseconds per pose where cavities are solid.
  * @since 0.1
  */

@@ -144,8 +144,9 @@ static inline void find_foot(const sph__primitive *p, const double x[3], foot *f
     }
     f->distance = DBL_MAX;
     for (int32_t i = 0; edges >> i != 0; ++i) {
-        foot other = {0};
+        foot other;
         if ((edges >> i & 1) == 0) continue;
+        other.a = other.b = 0;
         edge_foot(p, i, x, &other);
         if (other.distance < f->distance) *f = other;
     }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Two posed levels. The gap between a sphere interpolated over one primitive and the nearest of another, |c - d| - r - t, is
- * convex in the weights of the first; its least value is found by cutting the polygon of possible weights through its
- * middle. Along a motion the gap of a pair is convex as well.
+ * Two posed levels. The gap between a sphere interpolated over one primitive and the nearest of another, |c - d| - r -
+ * t, is convex in the weights of the first; its least value is found by cutting the polygon of possible weights through
+ * its middle. Along a motion the gap of a pair is convex as well.
  */
 #include <float.h>
 #include <math.h>
@@ -310,8 +310,10 @@ sph_status sph_query_between(const sph_query *first, const sph_query *second, sp
 {
     search s = {.first = first, .second = second};
     if (first == NULL || second == NULL || gap == NULL)
-        return sph__fail(first != NULL ? first->context : second != NULL ? second->context : NULL, SPH_E_INVALID,
-                         "sph_query_between: an argument is NULL");
+        return sph__fail(first != NULL    ? first->context
+                         : second != NULL ? second->context
+                                          : NULL,
+                         SPH_E_INVALID, "sph_query_between: an argument is NULL");
     s.limit = least_of_spheres(first, second);
     search_pairs(&s);
     fill_gap(first, s.best_slot, second, s.best_other, &s.best, 0, gap);
@@ -324,8 +326,10 @@ sph_status sph_query_cast_between(const sph_query *first, const float motion[3],
     sph_gap still;
     sph_status status;
     if (first == NULL || motion == NULL || second == NULL || gap == NULL)
-        return sph__fail(first != NULL ? first->context : second != NULL ? second->context : NULL, SPH_E_INVALID,
-                         "sph_query_cast_between: an argument is NULL");
+        return sph__fail(first != NULL    ? first->context
+                         : second != NULL ? second->context
+                                          : NULL,
+                         SPH_E_INVALID, "sph_query_cast_between: an argument is NULL");
     if (!isfinite(motion[0]) || !isfinite(motion[1]) || !isfinite(motion[2]))
         return sph__fail(first->context, SPH_E_INVALID, "sph_query_cast_between: the motion is not finite");
     if ((status = sph_query_between(first, second, &still)) != SPH_OK) return status;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Casts. Along a segment the signed distance to a convex primitive, less the radius of what moves, is convex; so Newton's
- * method from before the first root climbs down to it and never passes it, whatever the primitive degenerates to. Bounds
- * tell which primitives to look at, and where to begin.
+ * Casts. Along a segment the signed distance to a convex primitive, less the radius of what moves, is convex; so
+ * Newton's method from before the first root climbs down to it and never passes it, whatever the primitive degenerates
+ * to (fan.c). Bounds tell which primitives to look at, and where to begin.
  */
 #include <float.h>
 #include <math.h>
@@ -10,14 +10,11 @@
 #include "numeric/vector.h"
 #include "query/query.h"
 
-enum { MOST_STEPS = 100 };
-
 /* One cast, in the frame of the pose, cut to where the segment is near the solid: start + t * way, 0 <= t <= 1. */
 typedef struct cast {
     const sph_query *query;
-    double start[3], way[3], radius;
+    sph__query_move move;
     double before, span; /* s = before + t * span */
-    double tolerance;    /* a distance that counts as touching */
     bool use_bounds, any;
     sph__query_ray ray;
     /* the best so far: the least t, of these the deepest, of these the lowest number */
@@ -25,27 +22,29 @@ typedef struct cast {
     double t, depth;
 } cast;
 
-/* Cuts [*enter, *leave] of from + s * way to the slab |x| <= half; false when nothing is left. */
-static bool cut(double from, double way, double half, double *enter, double *leave)
+static inline double lesser(double a, double b)
 {
-    const double inverse = 1 / way;
-    double first, last;
+    return a < b ? a : b;
+}
+
+static inline double greater(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* Cuts [*enter, *leave] of from + s * way to the slab |x| <= half; false when nothing is left. */
+static inline bool cut(double from, double way, double half, double *enter, double *leave)
+{
+    const double inverse = 1 / way, a = (-half - from) * inverse, b = (half - from) * inverse;
     if (!(fabs(way) > 1e-290)) return fabs(from) <= half;
-    first = (-half - from) * inverse;
-    last = (half - from) * inverse;
-    if (first > last) {
-        const double t = first;
-        first = last;
-        last = t;
-    }
-    *enter = fmax(*enter, first);
-    *leave = fmin(*leave, last);
+    *enter = greater(*enter, lesser(a, b));
+    *leave = lesser(*leave, greater(a, b));
     return *enter <= *leave;
 }
 
-static double largest(const double x[3])
+static inline double largest(const double x[3])
 {
-    return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
+    return greater(fabs(x[0]), greater(fabs(x[1]), fabs(x[2])));
 }
 
 /* False when the segment is nowhere near. */
@@ -57,53 +56,28 @@ static bool begin(cast *c, const sph_query *q, const double from[3], const doubl
     for (int k = 0; k < 3; ++k)
         if (!cut(from[k], way[k], q->half[k] + radius + margin, &enter, &leave)) return false;
     c->query = q;
-    c->radius = radius;
+    c->move.radius = radius;
     c->before = enter;
     c->span = leave - enter;
     for (int k = 0; k < 3; ++k) {
-        c->start[k] = from[k] + enter * way[k];
-        c->way[k] = c->span * way[k];
+        c->move.start[k] = from[k] + enter * way[k];
+        c->move.way[k] = c->span * way[k];
     }
-    c->tolerance = 1e-14 * (1 + radius);
+    c->move.tolerance = 1e-14 * (1 + radius);
     c->use_bounds = radius + margin < 1e3;
-    if (c->use_bounds) sph__query_ray_set(&c->ray, c->start, c->way, radius + margin);
+    if (c->use_bounds) sph__query_ray_set(&c->ray, c->move.start, c->move.way, radius + margin);
     c->slot = UINT32_MAX;
     c->t = 2;
     c->depth = 0;
     return true;
 }
 
-/* The first t >= `t` at which the primitive is touched; false: none up to min(1, the best so far). */
-static bool approach(const cast *c, const sph__primitive *p, double *t, double *depth)
-{
-    double at = *t;
-    for (int i = 0; i < MOST_STEPS; ++i) {
-        double x[3], slope, f, next;
-        sph__add_scaled(c->start, at, c->way, x);
-        f = sph__primitive_slope(p, x, c->way, &slope) - c->radius;
-        if (f <= c->tolerance) {
-            *t = at;
-            *depth = f < 0 && at == 0 && c->before == 0 ? -f : 0;
-            return true;
-        }
-        if (!(slope < 0)) return false;
-        next = at - f / slope;
-        if (!(next <= 1)) {
-            if (!(next <= 1 + 1e-12) || at == 1) return false;
-            next = 1;
-        }
-        if (next > c->t) return false;
-        if (next == at) next = nextafter(at, 2);
-        at = next;
-    }
-    return false;
-}
-
 static void consider(cast *c, uint32_t slot, double t)
 {
     const sph_query *q = c->query;
-    double depth;
-    if (!approach(c, &q->solid.primitives[slot], &t, &depth)) return;
+    double f, depth;
+    if (!sph__query_approach(&q->fans[slot], &c->move, c->t, &t, &f)) return;
+    depth = f < 0 && t == 0 && c->before == 0 ? -f : 0;
     if (c->slot != UINT32_MAX) {
         if (t > c->t || (t == c->t && depth < c->depth)) return;
         if (t == c->t && depth == c->depth && q->numbers[slot] > q->numbers[c->slot]) return;
@@ -113,30 +87,58 @@ static void consider(cast *c, uint32_t slot, double t)
     c->depth = depth;
 }
 
+/* Bit i is byte i, of 64 that are 0 or 1. */
+static inline uint64_t pack(const uint8_t *bytes)
+{
+    uint64_t mask = 0;
+    for (int i = 0; i < 8; ++i) {
+        uint64_t eight = 0;
+        for (int k = 0; k < 8; ++k) /* one load, whatever the order of bytes */
+            eight |= (uint64_t)bytes[8 * i + k] << (8 * k);
+        mask |= (eight * 0x0102040810204080u >> 56) << (8 * i); /* the lowest bits of the bytes, side by side */
+    }
+    return mask;
+}
+
+/* Slots that are left after the slabs of those in the boxes, and where they are entered. */
+static uint32_t gather(const cast *c, uint32_t begin_slot, uint32_t size, const float *box_entry, const uint8_t *meets,
+                       float *entry, uint32_t *slot)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < size; i += 64)
+        for (uint64_t mask = pack(meets + i); mask != 0; mask &= mask - 1) {
+            const uint32_t k = i + (uint32_t)__builtin_ctzll(mask);
+            entry[count] = sph__query_fan_entry(&c->query->fans[begin_slot + k], &c->ray, box_entry[k]);
+            slot[count] = begin_slot + k;
+            count += entry[count] <= 1;
+        }
+    return count;
+}
+
 /* Slots [begin, end), at most a chunk, in the order in which their bounds are entered. */
 static void search_range(cast *c, uint32_t range_begin, uint32_t range_end)
 {
-    float entry[SPH__QUERY_CHUNK];
-    uint32_t slot[SPH__QUERY_CHUNK];
+    float box_entry[SPH__QUERY_CHUNK], entry[SPH__QUERY_CHUNK + 1];
+    uint8_t meets[SPH__QUERY_CHUNK];
+    uint32_t slot[SPH__QUERY_CHUNK + 1], count;
     const uint32_t size = range_end - range_begin;
-    uint32_t count = 0;
     if (!c->use_bounds) {
         for (uint32_t i = range_begin; i < range_end && !(c->any && c->slot != UINT32_MAX); ++i)
             consider(c, i, 0);
         return;
     }
-    sph__query_kernel_entries(&c->query->bounds, range_begin, range_end, &c->ray, entry);
-    for (uint32_t i = 0; i < size; ++i) {
-        slot[count] = i;
-        count += entry[i] <= 1;
-    }
+    sph__query_kernel_entries(&c->query->bounds, range_begin, range_end, &c->ray, box_entry, meets);
+    memset(meets + size, 0, (64 - size % 64) % 64); /* padding, and slots of other leaves */
+    count = gather(c, range_begin, size, box_entry, meets, entry, slot);
     while (count > 0) {
         uint32_t first = 0;
         for (uint32_t i = 1; i < count; ++i)
-            if (entry[slot[i]] < entry[slot[first]]) first = i;
-        if (entry[slot[first]] > c->t || (c->any && c->slot != UINT32_MAX)) return;
-        consider(c, range_begin + slot[first], entry[slot[first]]);
-        slot[first] = slot[--count];
+            first = entry[i] < entry[first] ? i : first;
+        if (entry[first] > c->t || (c->any && c->slot != UINT32_MAX)) return;
+        consider(c, slot[first], entry[first]);
+        --count;
+        entry[first] = entry[count];
+        slot[first] = slot[count];
     }
 }
 
@@ -207,11 +209,11 @@ static void answer(const cast *c, sph_hit *hit)
 {
     sph__contact contact;
     double x[3];
-    hit->s = fmin(1, c->before + c->t * c->span);
+    hit->s = lesser(1, c->before + c->t * c->span);
     hit->depth = c->depth / c->query->scale;
     hit->hit = 1;
     hit->reserved0 = 0;
-    sph__add_scaled(c->start, c->t, c->way, x);
+    sph__add_scaled(c->move.start, c->t, c->move.way, x);
     sph__primitive_closest(&c->query->solid.primitives[c->slot], x, &contact);
     sph__query_contact(c->query, c->slot, &contact, &hit->contact);
 }
@@ -272,6 +274,6 @@ bool sph__query_cast_frame(const sph_query *q, const double from[3], const doubl
     *t = 1;
     if (begin(&c, q, from, to, 0)) search(&c);
     if (c.slot == UINT32_MAX) return false;
-    *t = fmin(1, c.before + c.t * c.span);
+    *t = lesser(1, c.before + c.t * c.span);
     return true;
 }

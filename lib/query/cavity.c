@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Containment with cavities as solid: which space is connected to infinity. A grid over the pose: cells that are surely
- * free of the solid as a whole, joined through their faces to the border, are outside. Any other free point is told by a
- * free way to such a cell. So nothing leaks, whatever the thickness; what is called outside has a way there.
+ * free of the solid as a whole, joined through their faces to the border, are outside. Any other free point is told by
+ * a free way to such a cell. So nothing leaks, whatever the thickness; what is called outside has a way there.
  */
 #include <float.h>
 #include <math.h>
@@ -10,8 +10,11 @@
 #include "numeric/vector.h"
 #include "query/query.h"
 
-enum { RESOLUTION = 64, BORDER = 2, MOST_CELLS = (RESOLUTION + 2 * BORDER) * (RESOLUTION + 2 * BORDER) *
-                                                 (RESOLUTION + 2 * BORDER) };
+enum {
+    RESOLUTION = 64,
+    BORDER = 2,
+    MOST_CELLS = (RESOLUTION + 2 * BORDER) * (RESOLUTION + 2 * BORDER) * (RESOLUTION + 2 * BORDER)
+};
 enum { MIXED = 0, FREE = 1, OUTSIDE = 2 }; /* FREE: not reached from outside */
 enum { DIRECTIONS = 26, CLIMBS = 48, PROBES = 512 };
 

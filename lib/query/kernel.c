@@ -23,8 +23,8 @@ void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3
 {
     for (int k = 0; k < 3; ++k) {
         const float slope = (float)d[k];
-        const double widen = slope < 0 ? -reach : reach;
-        ray->inverse[k] = 1 / (fabsf(slope) > 1e-18f ? slope : slope < 0 ? -1e-18f : 1e-18f);
+        const double widen = copysign(reach, d[k]);
+        ray->inverse[k] = 1 / (slope + copysignf(1e-18f, slope));
         ray->enter[k] = (float)(p[k] + widen);
         ray->leave[k] = (float)(p[k] - widen);
         ray->from[k] = (float)p[k];
@@ -33,18 +33,9 @@ void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3
     ray->reach = (float)reach;
 }
 
-/* The rows of one slab. */
-typedef struct slab {
-    const float *x, *y, *z, *low, *high;
-} slab;
-
-static slab slab_rows(const sph__query_bounds *b, int k)
-{
-    return (slab){b->normal[k][0], b->normal[k][1], b->normal[k][2], b->slab_low[k], b->slab_high[k]};
-}
-
-SPH__CLONES static void entries_clones(const float *const near[3], const float *const far[3], const slab *slabs,
-                                       size_t begin, size_t count, const sph__query_ray *ray, float *restrict entry)
+SPH__CLONES static void entries_clones(const float *const near[3], const float *const far[3], size_t begin,
+                                       size_t count, const sph__query_ray *ray, float *restrict entry,
+                                       uint8_t *restrict meets)
 {
     const float *restrict n0 = near[0] + begin, *restrict n1 = near[1] + begin, *restrict n2 = near[2] + begin;
     const float *restrict f0 = far[0] + begin, *restrict f1 = far[1] + begin, *restrict f2 = far[2] + begin;
@@ -56,20 +47,8 @@ SPH__CLONES static void entries_clones(const float *const near[3], const float *
         const float out = lesser(lesser((f0[i] - l0) * i0, (f1[i] - l1) * i1), lesser((f2[i] - l2) * i2, 1));
         entry[i] = in <= out ? in : SPH__QUERY_MISS;
     }
-    for (int k = 0; k < SPH__QUERY_SLABS; ++k) {
-        const float *restrict x = slabs[k].x + begin, *restrict y = slabs[k].y + begin,
-                              *restrict z = slabs[k].z + begin;
-        const float *restrict low = slabs[k].low + begin, *restrict high = slabs[k].high + begin;
-        const float p0 = ray->from[0], p1 = ray->from[1], p2 = ray->from[2], reach = ray->reach;
-        const float d0 = ray->way[0], d1 = ray->way[1], d2 = ray->way[2];
-        for (size_t i = 0; i < count; ++i) {
-            const float place = x[i] * p0 + y[i] * p1 + z[i] * p2, rate = x[i] * d0 + y[i] * d1 + z[i] * d2;
-            const float inverse = 1.0f / (rate + (rate < 0 ? -1e-18f : 1e-18f)); /* never infinite */
-            const float a = (low[i] - reach - place) * inverse, b = (high[i] + reach - place) * inverse;
-            const float in = greater(lesser(a, b), entry[i]), out = lesser(greater(a, b), 1);
-            entry[i] = in <= out ? in : SPH__QUERY_MISS;
-        }
-    }
+    for (size_t i = 0; i < count; ++i)
+        meets[i] = entry[i] < SPH__QUERY_MISS;
 }
 
 /* `end`, or what makes whole vectors: rows are padded, and so must be what is written. */
@@ -79,19 +58,20 @@ static size_t whole(size_t begin, size_t end)
 }
 
 void sph__query_kernel_entries(const sph__query_bounds *bounds, size_t begin, size_t end, const sph__query_ray *ray,
-                               float *entry)
+                               float *entry, uint8_t *meets)
 {
-    const slab slabs[SPH__QUERY_SLABS] = {slab_rows(bounds, 0), slab_rows(bounds, 1)};
     const float *near[3], *far[3];
-    for (int k = 0; k < 3; ++k) {
-        near[k] = ray->inverse[k] < 0 ? bounds->high[k] : bounds->low[k];
-        far[k] = ray->inverse[k] < 0 ? bounds->low[k] : bounds->high[k];
+    for (int k = 0; k < 3; ++k) { /* without branches: the signs are as good as random */
+        const float *const rows[2] = {bounds->low[k], bounds->high[k]};
+        const int down = ray->inverse[k] < 0;
+        near[k] = rows[down];
+        far[k] = rows[!down];
     }
-    entries_clones(near, far, slabs, begin, whole(begin, end), ray, entry);
+    entries_clones(near, far, begin, whole(begin, end), ray, entry, meets);
 }
 
-SPH__CLONES static void distances_clones(const float *const low[3], const float *const high[3], const slab *slabs,
-                                         size_t begin, size_t count, const float x[3], float *restrict bound)
+SPH__CLONES static void distances_clones(const float *const low[3], const float *const high[3], size_t begin,
+                                         size_t count, const float x[3], float *restrict bound)
 {
     const float *restrict a0 = low[0] + begin, *restrict a1 = low[1] + begin, *restrict a2 = low[2] + begin;
     const float *restrict b0 = high[0] + begin, *restrict b1 = high[1] + begin, *restrict b2 = high[2] + begin;
@@ -103,21 +83,11 @@ SPH__CLONES static void distances_clones(const float *const low[3], const float 
         const float root = sqrtf(o0 * o0 + o1 * o1 + o2 * o2);
         bound[i] = most > 0 ? root : most;
     }
-    for (int k = 0; k < SPH__QUERY_SLABS; ++k) {
-        const float *restrict u = slabs[k].x + begin, *restrict v = slabs[k].y + begin,
-                              *restrict w = slabs[k].z + begin;
-        const float *restrict l = slabs[k].low + begin, *restrict h = slabs[k].high + begin;
-        for (size_t i = 0; i < count; ++i) {
-            const float place = u[i] * x0 + v[i] * x1 + w[i] * x2;
-            bound[i] = greater(bound[i], greater(l[i] - place, place - h[i]));
-        }
-    }
 }
 
 void sph__query_kernel_distances(const sph__query_bounds *bounds, size_t begin, size_t end, const float x[3],
                                  float *bound)
 {
-    const slab slabs[SPH__QUERY_SLABS] = {slab_rows(bounds, 0), slab_rows(bounds, 1)};
-    distances_clones((const float *const *)bounds->low, (const float *const *)bounds->high, slabs, begin,
-                     whole(begin, end), x, bound);
+    distances_clones((const float *const *)bounds->low, (const float *const *)bounds->high, begin, whole(begin, end), x,
+                     bound);
 }

@@ -11,13 +11,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { SPH__QUERY_LANES = 16, SPH__QUERY_SLABS = 2, SPH__QUERY_ROWS = 6 + 5 * SPH__QUERY_SLABS };
+enum { SPH__QUERY_LANES = 16 };
 
 /* Rows, padded by a whole vector of boxes that nothing meets. */
 typedef struct sph__query_bounds {
     float *rows; /* all of them */
     float *low[3], *high[3];
-    float *normal[SPH__QUERY_SLABS][3], *slab_low[SPH__QUERY_SLABS], *slab_high[SPH__QUERY_SLABS];
 } sph__query_bounds;
 
 /* A segment p + t d, 0 <= t <= 1, along which something of extent `reach` moves. */
@@ -33,12 +32,14 @@ typedef struct sph__query_ray {
 
 void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3], double reach);
 
-/* entry[i] = the least t at which the segment is in bound begin + i, or SPH__QUERY_MISS; for whole vectors from
- * `begin`. */
+/*
+ * entry[i] = the least t at which the segment is in the box begin + i, or SPH__QUERY_MISS; meets[i] = 1, or 0 then; for
+ * whole vectors from `begin`.
+ */
 void sph__query_kernel_entries(const sph__query_bounds *bounds, size_t begin, size_t end, const sph__query_ray *ray,
-                               float *entry);
+                               float *entry, uint8_t *meets);
 
-/* bound[i] = a signed distance from x to bound begin + i: nothing in it has a lesser one. */
+/* bound[i] = a signed distance from x to box begin + i: nothing in it has a lesser one. */
 void sph__query_kernel_distances(const sph__query_bounds *bounds, size_t begin, size_t end, const float x[3],
                                  float *bound);
 

@@ -34,7 +34,9 @@ static void begin(probe *p, const sph_query *q, const double x[3], double best, 
 static void consider(probe *p, uint32_t slot)
 {
     const sph_query *q = p->query;
-    const double d = sph__primitive_distance(&q->solid.primitives[slot], p->x);
+    double d;
+    if (sph__query_fan_bound(&q->fans[slot], p->seen) - p->margin > p->best) return;
+    d = sph__query_fan_distance(&q->fans[slot], p->x);
     if (d > p->best || (d == p->best && p->slot != UINT32_MAX && q->numbers[slot] > q->numbers[p->slot])) return;
     p->best = d;
     p->slot = slot;

@@ -28,45 +28,6 @@ static void set_frame(sph_query *q)
         q->half[k] *= q->scale;
 }
 
-/* Two unit vectors in which the primitive is thin: of its three directions it is longest in the one left out. */
-static void choose_slabs(const sph__primitive *p, double normals[2][3])
-{
-    static const double AXES[2][3] = {{1, 0, 0}, {0, 1, 0}};
-    const sph__primitive_edge *longest = &p->edge[0];
-    double axis[3];
-    for (int i = 1; i < 3; ++i)
-        if (p->edge[i].length > longest->length) longest = &p->edge[i];
-    memcpy(normals, AXES, sizeof AXES);
-    if (!(longest->length > 0)) return;
-    sph__subtract(p->center[longest->to], p->center[longest->from], axis);
-    for (int k = 0; k < 3; ++k)
-        axis[k] /= longest->length;
-    if (sph__dot(p->plane_normal, p->plane_normal) > 0.5 && p->has_faces)
-        sph__copy3(p->plane_normal, normals[0]);
-    else
-        sph__perpendicular(axis, normals[0]);
-    sph__cross(axis, normals[0], normals[1]);
-}
-
-static void set_slabs(sph_query *q, uint32_t slot, const sph__primitive *p)
-{
-    sph__query_bounds *b = &q->bounds;
-    double normals[2][3];
-    choose_slabs(p, normals);
-    for (int k = 0; k < SPH__QUERY_SLABS; ++k) {
-        double low = DBL_MAX, high = -DBL_MAX;
-        for (int32_t i = 0; i < p->corner_count; ++i) {
-            const double place = sph__dot(normals[k], p->center[i]);
-            low = place - p->radius[i] < low ? place - p->radius[i] : low;
-            high = place + p->radius[i] > high ? place + p->radius[i] : high;
-        }
-        for (int j = 0; j < 3; ++j)
-            b->normal[k][j][slot] = (float)normals[k][j];
-        b->slab_low[k][slot] = (float)low;
-        b->slab_high[k][slot] = (float)high;
-    }
-}
-
 static void set_primitive(sph_query *q, uint32_t slot)
 {
     sph__solid *s = &q->solid;
@@ -87,7 +48,7 @@ static void set_primitive(sph_query *q, uint32_t slot)
         q->bounds.low[k][slot] = s->boxes[slot].low[k] = (float)low;
         q->bounds.high[k][slot] = s->boxes[slot].high[k] = (float)high;
     }
-    set_slabs(q, slot, &s->primitives[slot]);
+    sph__query_fan_set(&q->fans[slot], &s->primitives[slot]);
 }
 
 void sph__query_repose(sph_query *q)

@@ -37,6 +37,7 @@ void sph_query_destroy(sph_query *q)
     sph__free(context, q->frame_radii);
     sph__free(context, q->simplices);
     sph__free(context, q->numbers);
+    sph__free(context, q->fans);
     sph__free(context, q);
     sph__context_release(context);
 }
@@ -187,7 +188,7 @@ static bool allocate_bounds(sph_query *q)
     sph__query_bounds *b = &q->bounds;
     /* rows start at different places of a cache's sets */
     const size_t stride = ((size_t)q->primitive_count + SPH__QUERY_LANES) / SPH__QUERY_LANES * SPH__QUERY_LANES + 16;
-    float *row = b->rows = sph__zalloc(q->context, SPH__QUERY_ROWS * stride, sizeof *row);
+    float *row = b->rows = sph__zalloc(q->context, 6 * stride, sizeof *row);
     if (row == NULL) return false;
     for (int k = 0; k < 3; ++k) {
         b->low[k] = row;
@@ -197,13 +198,6 @@ static bool allocate_bounds(sph_query *q)
             b->high[k][i] = -1e15f;
         }
         row += 2 * stride;
-    }
-    for (int k = 0; k < SPH__QUERY_SLABS; ++k) {
-        for (int j = 0; j < 3; ++j)
-            b->normal[k][j] = row + (size_t)j * stride;
-        b->slab_low[k] = row + 3 * stride;
-        b->slab_high[k] = row + 4 * stride;
-        row += 5 * stride;
     }
     return true;
 }
@@ -217,7 +211,9 @@ static sph_status allocate(sph_query *q, const sph_level *level)
     q->frame_radii = sph__alloc(q->context, level->radii_per_frame ? all : spheres, sizeof *q->frame_radii);
     q->simplices = sph__alloc(q->context, q->primitive_count, sizeof *q->simplices);
     q->numbers = sph__alloc(q->context, q->primitive_count, sizeof *q->numbers);
-    if (q->frame_centers == NULL || q->frame_radii == NULL || q->simplices == NULL || q->numbers == NULL)
+    q->fans = sph__alloc(q->context, q->primitive_count, sizeof *q->fans);
+    if (q->frame_centers == NULL || q->frame_radii == NULL || q->simplices == NULL || q->numbers == NULL ||
+        q->fans == NULL)
         return SPH_E_NOMEM;
     memcpy(q->frame_centers, level->centers, 3 * all * sizeof *q->frame_centers);
     memcpy(q->frame_radii, level->radii, (level->radii_per_frame ? all : spheres) * sizeof *q->frame_radii);

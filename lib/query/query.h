@@ -9,12 +9,13 @@
 #include <sphmesh/query.h>
 
 #include "level/solid.h"
+#include "query/fan.h"
 #include "query/kernel.h"
 
 enum {
-    SPH__QUERY_CHUNK = 256,   /* bounds that the exhaustive search tests at a time; a multiple of the lanes */
-    SPH__QUERY_LEAF = 16,     /* primitives per leaf of the tree */
-    SPH__QUERY_TREE_FROM = 192 /* primitives from which on the tree is quicker */
+    SPH__QUERY_CHUNK = 256,    /* bounds that the exhaustive search tests at a time; a multiple of the lanes */
+    SPH__QUERY_LEAF = 16,      /* primitives per leaf of the tree */
+    SPH__QUERY_TREE_FROM = 512 /* primitives from which on the tree is quicker */
 };
 
 /* The simplex of the level that a primitive stands for. */
@@ -36,8 +37,8 @@ typedef struct sph__query_cavities {
 
 /*
  * The pose lives in a frame of its own: x' = (x - origin) * scale, scale a power of two, so that the solid fits in
- * [-1, 1]^3. There are no overflows in it, and 32-bit bounds have a known error. Primitives are kept in the order of the
- * tree's leaves ("slots"); `solid.primitives`, `.corners` and `.boxes` are by slot too.
+ * [-1, 1]^3. There are no overflows in it, and 32-bit bounds have a known error. Primitives are kept in the order of
+ * the tree's leaves ("slots"); `solid.primitives`, `.corners` and `.boxes` are by slot too.
  */
 struct sph_query {
     sph_context *context; /* retained */
@@ -49,6 +50,7 @@ struct sph_query {
     sph__query_simplex *simplices;
     uint32_t *numbers; /* of a slot: the primitive's place in the order of the simplices, by which ties go */
     sph__query_bounds bounds;
+    sph__query_fan *fans; /* by slot */
     double origin[3], scale;
     double half[3]; /* the solid lies in +- half */
     uint64_t pose;  /* counts up */

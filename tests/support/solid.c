@@ -7,9 +7,14 @@
 sph_level *test_solid_level(sph_context *context, const test_solid *s)
 {
     sph_level *level = NULL;
-    const sph_level_arrays arrays = {.struct_size = sizeof arrays, .sphere_count = s->sphere_count, .frame_count = 1,
-                                     .centers = s->centers[0], .radii = s->radii, .edge_count = s->edge_count,
-                                     .edges = s->edges[0], .triangle_count = s->triangle_count,
+    const sph_level_arrays arrays = {.struct_size = sizeof arrays,
+                                     .sphere_count = s->sphere_count,
+                                     .frame_count = 1,
+                                     .centers = s->centers[0],
+                                     .radii = s->radii,
+                                     .edge_count = s->edge_count,
+                                     .edges = s->edges[0],
+                                     .triangle_count = s->triangle_count,
                                      .triangles = s->triangles[0]};
     sph_level_create_from_arrays(context, &arrays, &level);
     return level;

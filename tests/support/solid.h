@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The solid by its definition, slowly: spheres interpolated over weights, the least of |x - c(b)| - r(b) found by nested
- * search. Nothing here shares a formula with the library.
+ * The solid by its definition, slowly: spheres interpolated over weights, the least of |x - c(b)| - r(b) found by
+ * nested search. Nothing here shares a formula with the library.
  */
 #ifndef SPH_TEST_SOLID_H
 #define SPH_TEST_SOLID_H

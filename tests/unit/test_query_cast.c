@@ -55,17 +55,28 @@ static void random_spheres(test_solid *s, uint32_t count)
             s->centers[i][k] = (float)between(-1, 1);
         s->radii[i] = (float)between(0, 0.6);
         switch (below(12)) {
-        case 0: s->radii[i] = 0; break;
-        case 1: memcpy(s->centers[i], s->centers[other < i ? other : 0], sizeof s->centers[i]); break;
-        case 2: s->radii[i] = s->radii[0]; break;
-        case 3: s->radii[i] = 3; break;
+        case 0:
+            s->radii[i] = 0;
+            break;
+        case 1:
+            memcpy(s->centers[i], s->centers[other < i ? other : 0], sizeof s->centers[i]);
+            break;
+        case 2:
+            s->radii[i] = s->radii[0];
+            break;
+        case 3:
+            s->radii[i] = 3;
+            break;
         case 4: /* nearly or wholly collinear */
             for (int k = 0; k < 3; ++k)
                 s->centers[i][k] = s->centers[0][k] + 0.37f * (s->centers[i > 0 ? i - 1 : 0][k] - s->centers[0][k]) +
                                    (below(2) ? 1e-6f : 0) * (float)between(-1, 1);
             break;
-        case 5: s->centers[i][2] = s->centers[0][2]; break;
-        default: break;
+        case 5:
+            s->centers[i][2] = s->centers[0][2];
+            break;
+        default:
+            break;
         }
     }
 }
@@ -142,8 +153,12 @@ static void random_sweep(const test_solid *s, double size, sph_sweep *sweep)
         to[k] = x[k] + size * between(0, 1) * d[k];
     }
     switch (below(10)) {
-    case 0: memcpy(to, from, sizeof to); break; /* in place */
-    case 1: memcpy(from, x, sizeof from); break;
+    case 0:
+        memcpy(to, from, sizeof to);
+        break; /* in place */
+    case 1:
+        memcpy(from, x, sizeof from);
+        break;
     case 2: /* along an axis */
         to[0] = from[0];
         to[1] = from[1];
@@ -156,7 +171,8 @@ static void random_sweep(const test_solid *s, double size, sph_sweep *sweep)
         for (int k = 0; k < 3; ++k)
             to[k] = 2 * s->centers[0][k] - from[k];
         break;
-    default: break;
+    default:
+        break;
     }
     for (int k = 0; k < 3; ++k) {
         sweep->from[k] = (float)from[k];
@@ -194,10 +210,11 @@ static void check_contact(const test_solid *s, const sph_hit *hit, const double 
 }
 
 /*
- * The hit lies between those of spheres a little bigger and a little smaller. Not inlined: gcc 12 would take the doubles that
- * the sweep's floats were rounded from.
+ * The hit lies between those of spheres a little bigger and a little smaller. Not inlined: gcc 12 would take the
+ * doubles that the sweep's floats were rounded from.
  */
-__attribute__((noinline)) static void check_sweep(const sph_query *q, const test_solid *s, const sph_sweep *sweep, double size)
+__attribute__((noinline)) static void check_sweep(const sph_query *q, const test_solid *s, const sph_sweep *sweep,
+                                                  double size)
 {
     const double from[3] = {sweep->from[0], sweep->from[1], sweep->from[2]};
     const double to[3] = {sweep->to[0], sweep->to[1], sweep->to[2]}, slack = 3e-7 * (size + sweep->radius);
@@ -340,9 +357,15 @@ START_TEST(the_tree_and_the_exhaustive_search_give_the_same_bits)
     sph_hit *hits[2] = {test_malloc(SWEEPS, sizeof(sph_hit)), test_malloc(SWEEPS, sizeof(sph_hit))};
     sph_nearest *nearest[2] = {test_malloc(SWEEPS, sizeof(sph_nearest)), test_malloc(SWEEPS, sizeof(sph_nearest))};
     uint8_t *any[2] = {test_malloc(SWEEPS, 1), test_malloc(SWEEPS, 1)};
-    const sph_level_arrays arrays = {.struct_size = sizeof arrays, .sphere_count = SPHERES, .frame_count = 1,
-                                     .centers = centers[0], .radii = radii, .edge_count = SIMPLICES,
-                                     .edges = edges[0], .triangle_count = SIMPLICES, .triangles = triangles[0]};
+    const sph_level_arrays arrays = {.struct_size = sizeof arrays,
+                                     .sphere_count = SPHERES,
+                                     .frame_count = 1,
+                                     .centers = centers[0],
+                                     .radii = radii,
+                                     .edge_count = SIMPLICES,
+                                     .edges = edges[0],
+                                     .triangle_count = SIMPLICES,
+                                     .triangles = triangles[0]};
     sph_level *level;
     size_t hit_count = 0;
     for (uint32_t i = 0; i < SPHERES; ++i) {
@@ -396,8 +419,10 @@ static const test_solid BALL = {.sphere_count = 1, .centers = {{0, 0, 0}}, .radi
 
 START_TEST(a_sphere_against_a_sphere_touches_where_the_radii_meet)
 {
-    const sph_sweep sweeps[4] = {{{-5, 0, 0}, {5, 0, 0}, 0.5f, 0}, {{0, 0, 0.25f}, {9, 0, 0}, 0.5f, 0},
-                                 {{-5, 1.6f, 0}, {5, 1.6f, 0}, 0.5f, 0}, {{1e30f, 0, 0}, {-1e30f, 0, 0}, 0, 0}};
+    const sph_sweep sweeps[4] = {{{-5, 0, 0}, {5, 0, 0}, 0.5f, 0},
+                                 {{0, 0, 0.25f}, {9, 0, 0}, 0.5f, 0},
+                                 {{-5, 1.6f, 0}, {5, 1.6f, 0}, 0.5f, 0},
+                                 {{1e30f, 0, 0}, {-1e30f, 0, 0}, 0, 0}};
     sph_level *level = test_solid_level(context, &BALL);
     sph_query *q;
     sph_hit h[4];
@@ -430,9 +455,12 @@ START_TEST(values_that_are_not_finite_are_refused_and_named)
         sph_hit hits[3];
         uint8_t any[3] = {7, 7, 7};
         hits[0].s = 7;
-        if (i % 7 < 3) sweeps[2].from[i % 7] = bad[i / 7];
-        else if (i % 7 < 6) sweeps[2].to[i % 7 - 3] = bad[i / 7];
-        else sweeps[2].radius = bad[i / 7];
+        if (i % 7 < 3)
+            sweeps[2].from[i % 7] = bad[i / 7];
+        else if (i % 7 < 6)
+            sweeps[2].to[i % 7 - 3] = bad[i / 7];
+        else
+            sweeps[2].radius = bad[i / 7];
         ck_assert_int_eq(sph_query_cast(q, sweeps, 3, hits), SPH_E_INVALID);
         ck_assert_ptr_nonnull(strstr(sph_context_last_message(context), "sweep 2"));
         ck_assert_int_eq(sph_query_cast_any(q, sweeps, 3, any), SPH_E_INVALID);
