@@ -171,6 +171,31 @@ class RoundTrip(InFolder):
         self.assertGreater(len(dual["triangles"]), 0)
         self.assertNotEqual(plain["labels"], dual["labels"])
 
+    def test_casts_hit_the_level_on_its_spheres(self):
+        level = json.loads(content("level-20.json"))
+        with open(os.path.join(FOLDER, "rays.txt"), "w") as file:
+            file.write("# to the centres, from afar\n\n")
+            for x, y, z in level["centers"][2]:
+                file.write(f"{x} {y} {z + 100} {x} {y} {z - 100}  # and through\n")
+            file.write("500 500 500 600 600 600 0.5\n")
+        told = self.json("cast", "level-20.json", "--rays", "rays.txt", "--frame", 2, "--radius", 0.001)
+        self.assertEqual((told["casts"], told["hits"]), (21, 20))
+        self.assertFalse(told["answers"][-1]["hit"])
+        for (x, y, z), answer in zip(level["centers"][2], told["answers"]):
+            self.assertAlmostEqual(z + 100 - 200 * answer["s"], answer["point"][2] + 0.001 * answer["normal"][2], 4)
+            self.assertAlmostEqual(sum(answer["weights"]), 1)
+            self.assertAlmostEqual(sum(n * n for n in answer["normal"]), 1)
+            self.assertLess(answer["s"], 0.5)
+        lines = self.succeeds("cast", "level-20.json", "--rays", "rays.txt", "--frame", "1.5").stdout.splitlines()
+        self.assertEqual(len(lines), 21)
+        self.assertEqual(lines[-1], "-")
+        self.refuses(1, "frame 99", "cast", "level-20.json", "--rays", "rays.txt", "--frame", 99)
+        with open(os.path.join(FOLDER, "bad.txt"), "w") as file:
+            file.write("0 0 0 1 1 1\n1 2 3 4 5\n")
+        self.refuses(1, "bad.txt:2", "cast", "level-20.json", "--rays", "bad.txt")
+        self.refuses(1, "nowhere.txt", "cast", "level-20.json", "--rays", "nowhere.txt")
+        self.refuses(2, "--rays", "cast", "level-20.json")
+
     def test_measures_agree_with_the_demo_s_and_with_themselves(self):
         told = self.json("measure", *INPUT, "--level", "level-40.json", "--samples", 300)
         demo = next(r for r in SUMMARY["sphere_mesh"]["levels"] if r["spheres"] == 40)
