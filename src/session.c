@@ -89,9 +89,10 @@ bool name_ends(const char *name, const char *ending)
 int output_check_level(const char *command, const char *path)
 {
     if (path == NULL) return usage_error(command, "-o is missing: where should the level go?");
-    if (name_ends(path, ".json") || name_ends(path, ".obj") || name_ends(path, ".ply") || name_ends(path, ".sphm"))
+    if (name_ends(path, ".json") || name_ends(path, ".obj") || name_ends(path, ".ply") || name_ends(path, ".glb") ||
+        name_ends(path, ".sphm"))
         return DONE;
-    return usage_error(command, "-o: '%s' does not end in .json, .obj, .ply or .sphm", path);
+    return usage_error(command, "-o: '%s' does not end in .json, .obj, .ply, .glb or .sphm", path);
 }
 
 int load_level(session *s, const char *path, sph_level **out)

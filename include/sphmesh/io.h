@@ -137,8 +137,10 @@ SPH_API sph_status sph_io_save_hierarchy(sph_context *context, const sph_hierarc
 SPH_API sph_status sph_io_load_hierarchy(sph_context *context, const char *path, sph_hierarchy **out);
 
 /**
- * @brief Saves a level; the name's ending says how: `.sphm`, `.json` (docs/formats.md), or frame 0 alone as `.obj` or `.ply`
- *        (centres as vertices, triangles as faces, wire edges as lines or edges, radii as comments or a property).
+ * @brief Saves a level; the name's ending says how: `.sphm`, `.json` (docs/formats.md), frame 0 alone as `.obj` or `.ply`
+ *        (centres as vertices, triangles as faces, wire edges as lines or edges, radii as comments or a property), or `.glb`
+ *        (a preview that any viewer of glTF plays at 30 frames per second; at most 65535 spheres).
+ * @retval SPH_E_LIMIT        more spheres or bytes than a `.glb` can have.
  * @retval SPH_E_UNSUPPORTED  another ending.
  * @since 0.1
  */

@@ -93,8 +93,10 @@ static sph__io_level_write_fn *find_writer(const char *path)
     static const struct {
         const char *ending;
         sph__io_level_write_fn *write;
-    } WRITERS[] = {
-        {"json", sph__io_level_json_write}, {"obj", sph__io_level_obj_write}, {"ply", sph__io_level_ply_write}};
+    } WRITERS[] = {{"json", sph__io_level_json_write},
+                   {"obj", sph__io_level_obj_write},
+                   {"ply", sph__io_level_ply_write},
+                   {"glb", sph__io_level_glb_write}};
     for (size_t i = 0; i < sizeof WRITERS / sizeof *WRITERS; ++i)
         if (sph__io_has_ending(path, WRITERS[i].ending)) return WRITERS[i].write;
     return NULL;
@@ -109,7 +111,7 @@ sph_status sph_io_save_level(sph_context *context, const sph_level *level, const
     if (status != SPH_OK) return status;
     write = find_writer(path);
     if (write == NULL && !sph__io_has_ending(path, "sphm"))
-        return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: levels are saved as .sphm, .json, .obj or .ply",
+        return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: levels are saved as .sphm, .json, .obj, .ply or .glb",
                             sph__io_shown(path));
     status = sph_level_get_arrays(level, &arrays);
     if (status == SPH_OK) status = sph__io_output_open(context, path, &output);

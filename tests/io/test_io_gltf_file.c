@@ -345,6 +345,49 @@ START_TEST(clips_are_listed_with_their_frames)
 }
 END_TEST
 
+/* --- levels --- */
+
+/* Its balls lie on the spheres in every frame, and its simplices join their centres. _i: radii per frame. */
+START_TEST(a_level_written_as_glb_moves_as_the_level_does)
+{
+    enum { BALL = 294, SPHERES = 3, FRAMES = 2 };
+    static const float CENTERS[] = {0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 1, 2, 0.5f, 0, 0, 3, -1};
+    static const float RADII[] = {1, 0.25f, 0.5f, 2, 0.125f, 0.75f};
+    static const uint32_t EDGE[] = {0, 1}, TRIANGLE[] = {0, 1, 2};
+    const sph_level_arrays arrays = {sizeof arrays, SPHERES, FRAMES,   _i == 1, CENTERS, RADII, 1,
+                                     EDGE,          1,       TRIANGLE, 0,       NULL};
+    const char *path = file_path("l.glb");
+    sph_level *level;
+    sph_animation *a;
+    float *all = test_malloc(3 * (BALL * SPHERES + 5), sizeof *all);
+    ck_assert_int_eq(sph_level_create_from_arrays(context, &arrays, &level), SPH_OK);
+    ck_assert_int_eq(sph_io_save_level(context, level, path), SPH_OK);
+    options.weld = SPH_IO_WELD_NONE;
+    a = open_one(context, path, &options, &(sph_status){SPH_OK});
+    ck_assert_msg(a != NULL, "%s", sph_context_last_message(context));
+    ck_assert_uint_eq(sph_animation_vertex_count(a), BALL * SPHERES + 5); /* 3 of the triangle, 2 of the edge */
+    ck_assert_uint_eq(sph_animation_edge_count(a), 1);
+    ck_assert_uint_eq(sph_animation_frame_count(a), FRAMES);
+    for (uint32_t f = 0; f < FRAMES; ++f) {
+        const float *c = CENTERS + (size_t)f * 3 * SPHERES, *r = RADII + (_i == 1 ? f * SPHERES : 0);
+        ck_assert_int_eq(sph_animation_read_frame(a, f, all), SPH_OK);
+        for (uint32_t v = 0; v < BALL * SPHERES; ++v) {
+            double square = 0;
+            for (int k = 0; k < 3; ++k) {
+                const double d = (double)all[3 * v + k] - (double)c[3 * (v / BALL) + k];
+                square += d * d;
+            }
+            ck_assert_double_eq_tol(square, (double)r[v / BALL] * (double)r[v / BALL], 1e-5);
+        }
+        for (uint32_t i = 0; i < 15; ++i)
+            ck_assert_float_eq_tol(all[3 * BALL * SPHERES + i], c[i < 9 ? i : i - 9], 1e-6f);
+    }
+    sph_animation_destroy(a);
+    sph_level_destroy(level);
+    free(all);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tc = tcase_create("all");
@@ -359,5 +402,6 @@ int main(void)
     tcase_add_loop_test(tc, what_is_wrong_is_refused_by_name_or_byte, 0, (int)(sizeof REFUSED / sizeof *REFUSED));
     tcase_add_test(tc, a_clip_that_is_not_there_is_refused_with_those_that_are);
     tcase_add_test(tc, clips_are_listed_with_their_frames);
+    tcase_add_loop_test(tc, a_level_written_as_glb_moves_as_the_level_does, 0, 2);
     return run_suite(suite_create("io glTF files"), tc);
 }

@@ -288,7 +288,7 @@ START_TEST(other_endings_are_refused)
 {
     sph_level *level = make_level(3, 1, 0, true), *back;
     int32_t kind = 77;
-    static const char *const NAMES[] = {"l.off", "l", "json", "l.json.gz", "l.glb"};
+    static const char *const NAMES[] = {"l.off", "l", "json", "l.json.gz", "l.gltf"};
     for (size_t i = 0; i < 5; ++i) {
         ck_assert_int_eq(sph_io_save_level(context, level, file_path(NAMES[i])), SPH_E_UNSUPPORTED);
         ck_assert_int_eq(sph_io_load_level(context, file_text(NAMES[i], "x"), &back), SPH_E_UNSUPPORTED);
