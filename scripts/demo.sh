@@ -11,8 +11,8 @@ else
     rm -rf build-demo
     meson setup build-demo --buildtype=release -Doptimization=3 -Dtests=disabled -Dprogram=enabled
 fi
-ninja -C build-demo
+ninja -C build-demo src/sphmesh
 build-demo/src/sphmesh demo -o demo-output "$@"
 
 echo
-echo "All files are in $PWD/demo-output."
+echo "All files are in $PWD/demo-output; the program is build-demo/src/sphmesh."
