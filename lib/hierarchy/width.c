@@ -211,9 +211,18 @@ static double least_extent(const sph__builder *b, size_t i, const double extents
     return least;
 }
 
+/* Stamps of 2^32 unions ago would pass for this one's. */
+static void start_stamp(sph__builder *b)
+{
+    if (++b->stamp != 0) return;
+    memset(b->member_stamps, 0, b->n * sizeof *b->member_stamps);
+    memset(b->place_stamps, 0, b->n * sizeof *b->place_stamps);
+    b->stamp = 1;
+}
+
 static sph_status list_points(sph__builder *b, const sph__slot *u, const sph__slot *v, size_t *count)
 {
-    ++b->stamp;
+    start_stamp(b);
     mark_members(b, u);
     mark_members(b, v);
     *count = 0;
@@ -244,7 +253,10 @@ sph_status sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot
             _Alignas(SPH__ALIGN) double extents[SPH__LANES];
             double least;
             const float bound = low_u[j] > low_v[j] ? low_u[j] : low_v[j];
-            if ((double)bound >= best) continue;
+            if ((double)bound >= best) { /* of these frames no more is known than that */
+                if ((double)bound < b->least[j]) b->least[j] = (double)bound;
+                continue;
+            }
             chunk_extents(b->placed, count, b->directions[j], best, extents);
             least = least_extent(b, i, extents);
             if (least < b->least[j]) b->least[j] = least;
