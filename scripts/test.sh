@@ -190,7 +190,7 @@ fi
 
 if wanted sanitize; then
     say "address and undefined behaviour sanitizers"
-    export ASAN_OPTIONS=abort_on_error=0:detect_stack_use_after_return=1:allocator_may_return_null=1
+    export ASAN_OPTIONS=abort_on_error=0:allocator_may_return_null=1
     export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
     build sanitize -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 &&
         run sanitize --timeout-multiplier 4 --no-suite interrupt --no-suite long
