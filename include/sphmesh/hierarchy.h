@@ -78,7 +78,7 @@ typedef struct sph_collapse {
  * @retval SPH_E_CANCELLED  progress asked to stop.
  * @return otherwise what the frame source returned.
  * @par Determinism  Same bits for the same input and options, whatever the executor, threads and processor.
- * @par Cost  O(F (n + m) log n) time.
+ * @par Cost  O(F (n + m) log n) time where vertices have few neighbours; one with k of them may cost O(F k^2).
  * @since 0.1
  */
 SPH_API sph_status sph_hierarchy_create(const sph_animation *animation, const sph_hierarchy_options *options,

@@ -4,7 +4,8 @@
 
 #include "hierarchy/build.h"
 
-/* The greatest weight is brought near 1, as the size of the input is: see scale.c. Coherence goes with it: it has its own area. */
+/* The greatest weight is brought near 1, as the size of the input is: see scale.c. Coherence goes with them, as
+ * it counts by area alone. */
 static void normalise_weights(sph__builder *b, size_t count, float greatest)
 {
     double factor;
