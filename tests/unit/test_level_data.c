@@ -196,14 +196,16 @@ static void teardown(void)
 
 int main(void)
 {
-    Suite *suite = suite_create("level data");
-    TCase *tc = tcase_create("all");
+    Suite *suite;
+    TCase *tc;
     SRunner *runner;
     int failed;
     if (getenv("SPHMESH_DATA") == NULL) {
         puts("1..0 # SKIP SPHMESH_DATA names no folder of real animated meshes");
         return EXIT_SUCCESS;
     }
+    suite = suite_create("level data");
+    tc = tcase_create("all");
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, levels_of_real_meshes_are_the_image_of_the_input, 0, DATA_COUNT);
