@@ -108,6 +108,14 @@ consumer() {
     (cd "$work/walk" && LD_LIBRARY_PATH=$stage/usr/lib "$out")
 }
 
+# consumer_of_cmake KIND: configures and builds against the staged install by find_package alone, and runs.
+consumer_of_cmake() {
+    local stage=$work/stage-$1 out=$work/cmake-$1
+    rm -rf "$out"
+    cmake -S tests/install/cmake -B "$out" -DCMAKE_PREFIX_PATH="$stage/usr" && cmake --build "$out" || return 1
+    (cd "$work/walk" && LD_LIBRARY_PATH=$stage/usr/lib "$out/consumer")
+}
+
 # An animation to try things on: walk.obj and walk.pc2, in a folder of their own.
 make_walk() {
     rm -rf "$work/walk"
@@ -218,6 +226,7 @@ if wanted install; then
             check "a C program finds the $kind libraries" consumer $kind tests/install/consumer.c sphmesh-io
             check "an example builds with the $kind core" consumer $kind examples/first_steps.c sphmesh -lm
             check "the program of README.md runs ($kind)" consumer $kind "$work/readme.c" sphmesh-io
+            check "CMake finds the $kind libraries" consumer_of_cmake $kind
             check "a C++ program finds the $kind core" consumer $kind tests/install/consumer.cpp sphmesh
         done
     fi
