@@ -180,6 +180,7 @@ fi
 if wanted gcc; then
     say "gcc"
     build gcc && run gcc
+    check "the binary interface is the reviewed one" tests/abi/check_abi.sh check "$work/gcc"
 fi
 
 if wanted clang; then

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: MIT */
+/**
+ * @file io.h
+ * @brief libsphmesh-io: files in and out. Everything it does a caller of the core could do.
+ *
+ * Paths are UTF-8, as the operating system takes them. Every reader checks counts against the file's size before it
+ * allocates, and says in the message which file, line or byte it refuses. Writers write a temporary file beside the target and rename it,
+ * so that a target is either whole or untouched.
+ */
+#ifndef SPHMESH_IO_H
+#define SPHMESH_IO_H
+
+#include "sphmesh.h"
+
+SPH_BEGIN_DECLS
+
+/** Axis that points up in a file; positions are turned so that y is up. */
+enum { SPH_UP_Y = 0, SPH_UP_Z = 1 };
+
+/**
+ * Whether vertices that coincide in all frames become one (sph_animation_weld() without tolerance; the frames are then held in
+ * memory). Auto welds a glTF whose own animation is read, as that format splits vertices along seams of texture and normals.
+ */
+enum { SPH_IO_WELD_AUTO = 0, SPH_IO_WELD_NONE = 1, SPH_IO_WELD_ALL = 2 };
+
+/** Options of sph_io_open_animation(). Fill with sph_io_open_options_init() first. */
+typedef struct sph_io_open_options {
+    uint32_t struct_size;   /**< bytes the caller knows of; written by the initialiser */
+    uint32_t flags;         /**< must be 0 */
+    const char *cache_path; /**< a PC2 or MDD point cache with the mesh's frames; NULL: none */
+    uint32_t first_frame;   /**< A of --frames A:B:STEP; default 0 */
+    uint32_t end_frame;     /**< B: the first frame not taken; 0 (default): all */
+    uint32_t frame_step;    /**< default 1; > 0 */
+    int32_t up_axis;        /**< one of SPH_UP_*; default y: positions are left as they are. z: (x, y, z) becomes (x, z, -y) */
+    double scale;           /**< positions are multiplied by it; finite, not 0; default 1 */
+    double fps;             /**< frames per second that a glTF is baked at; finite, > 0; default 30, also for 0 */
+    const char *clip;       /**< the animation of a glTF to bake, by name, or by number from 0; NULL: all, one after another */
+    int32_t weld;           /**< one of SPH_IO_WELD_*; default auto */
+    uint32_t reserved0;     /**< must be 0 */
+} sph_io_open_options;
+
+/** @brief Fills `options` with the defaults. Call as `sph_io_open_options_init(&o, sizeof o)`. @since 0.1 */
+SPH_API void sph_io_open_options_init(sph_io_open_options *options, size_t size);
+
+/**
+ * @brief Opens an animation: one mesh with a point cache, or a sequence of meshes, or one mesh alone (one frame).
+ *
+ * A glTF alone is baked: frame i of a clip is its pose i / fps seconds after the clip's start, up to the clip's end; without
+ * clips it is its pose at rest. With a cache, or as one of a sequence, a glTF is the mesh at rest.
+ *
+ * A sequence is several paths (or one glob such as `s*.obj`, or one printf pattern such as `s%04d.obj`), taken in natural
+ * order: s2 before s10. All meshes of a sequence must have the vertex count, triangles and edges of the first; they are
+ * checked here, and again when a frame is read, one file at a time. Point caches are memory-mapped, and read as frames are
+ * asked for: a cache must not be made shorter while the animation lives. Values that are not finite are left to
+ * sph_animation_check() and the calls that use them. docs/formats.md says what is read of each format.
+ * @param[in]  paths       path_count paths; more than one must not come with a cache.
+ * @param[in]  options     may be NULL: all defaults.
+ * @param[out] out         owned by the caller; NULL on failure.
+ * @retval SPH_E_INVALID      NULL, no path, bad options.
+ * @retval SPH_E_IO           a file cannot be opened or read; the message has the system's reason.
+ * @retval SPH_E_FORMAT       a file is damaged or not what its name says; a mesh and a cache, or two meshes of a sequence,
+ *                            do not belong together: the message says both counts.
+ * @retval SPH_E_UNSUPPORTED  a format or a feature that is not read.
+ * @retval SPH_E_NOMEM        out of memory.
+ * @retval SPH_E_CANCELLED    progress asked to stop.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_open_animation(sph_context *context, const char *const *paths, size_t path_count,
+                                         const sph_io_open_options *options, sph_animation **out);
+
+/** A clip (an "animation") of a glTF. */
+typedef struct sph_io_clip {
+    uint32_t struct_size; /**< bytes that the library fills */
+    uint32_t frame_count; /**< when baked at the frames per second asked for */
+    const char *name;     /**< UTF-8; "" where it has none; borrowed for the call */
+    double duration;      /**< seconds: the time of its last key */
+} sph_io_clip;
+
+/** Is told of one clip. */
+typedef void sph_io_clip_fn(void *user, const sph_io_clip *clip);
+
+/**
+ * @brief Tells of each clip of a file, in the file's order. Files of other formats than glTF have none.
+ * @param[in] fps  frames per second to count frames at; 0: 30.
+ * @retval SPH_E_INVALID, SPH_E_IO, SPH_E_FORMAT, SPH_E_UNSUPPORTED, SPH_E_LIMIT, SPH_E_NOMEM  as sph_io_open_animation().
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_list_clips(sph_context *context, const char *path, double fps, sph_io_clip_fn *visit,
+                                     void *user);
+
+/**
+ * @brief Sorts names in natural order, in place: digits compare as numbers, so that s2 comes before s10.
+ * @since 0.1
+ */
+SPH_API void sph_io_sort_natural(const char **names, size_t count);
+
+/**
+ * @brief Writes the animation's first frame, triangles and additional edges as OBJ, and all its frames as a PC2 cache.
+ * @param[in] context            takes the message of a failure; best the one that the animation was made with.
+ * @param[in] first_frame        the cache's start frame, as its readers show it; finite; as a rule 0.
+ * @param[in] frames_per_sample  the cache's sampling: frames of the reading program from one frame here to the next; finite
+ *                               and > 0; as a rule 1. The format holds no frames per second.
+ * @retval SPH_E_INVALID    NULL, a number out of range, or both paths are the same.
+ * @retval SPH_E_IO         a file cannot be written: the message has the path and the system's reason.
+ * @retval SPH_E_NOMEM      out of memory.
+ * @retval SPH_E_CANCELLED  progress asked to stop.
+ * @return otherwise what the frame source returned. Whatever fails, no file is left half written.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_save_obj_pc2(sph_context *context, const sph_animation *animation, double first_frame,
+                                       double frames_per_sample, const char *obj_path, const char *pc2_path);
+
+/**
+ * @brief Writes the animation's first frame, triangles and additional edges as OBJ, and all its frames as an MDD cache.
+ * @param[in] context            as for sph_io_save_obj_pc2(), as are the errors.
+ * @param[in] first_second       time of the first frame; finite; as a rule 0.
+ * @param[in] frames_per_second  finite and > 0; the format holds the time of each frame.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_save_obj_mdd(sph_context *context, const sph_animation *animation, double first_second,
+                                       double frames_per_second, const char *obj_path, const char *mdd_path);
+
+/** What a `.sphm` file holds. */
+enum { SPH_IO_HIERARCHY = 1, SPH_IO_LEVEL = 2 };
+
+/**
+ * @brief Tells what a file made by the functions below holds, without reading all of it.
+ * @param[out] kind  one of SPH_IO_HIERARCHY, SPH_IO_LEVEL; untouched on failure.
+ * @retval SPH_E_IO, SPH_E_FORMAT, SPH_E_VERSION
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_identify(sph_context *context, const char *path, int32_t *kind);
+
+/** @brief Saves a hierarchy as a `.sphm` file. @retval SPH_E_IO the message has the path and the reason. @since 0.1 */
+SPH_API sph_status sph_io_save_hierarchy(sph_context *context, const sph_hierarchy *hierarchy, const char *path);
+/** @brief Loads a hierarchy from a `.sphm` file; errors as sph_hierarchy_read() and SPH_E_IO. @since 0.1 */
+SPH_API sph_status sph_io_load_hierarchy(sph_context *context, const char *path, sph_hierarchy **out);
+
+/**
+ * @brief Saves a level; the name's ending says how: `.sphm`, `.json` (docs/formats.md), frame 0 alone as `.obj` or `.ply`
+ *        (centres as vertices, triangles as faces, wire edges as lines or edges, radii as comments or a property), or `.glb`
+ *        (a preview that any viewer of glTF plays at 30 frames per second; at most 65535 spheres).
+ * @retval SPH_E_LIMIT        more spheres or bytes than a `.glb` can have.
+ * @retval SPH_E_UNSUPPORTED  another ending.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_save_level(sph_context *context, const sph_level *level, const char *path);
+/**
+ * @brief Saves one frame of a surface with its normals; the name's ending says how: `.obj`, or `.ply` (binary).
+ * @param[in] context  takes the message of a failure.
+ * @param[in] index    which of the frames that were extracted.
+ * @retval SPH_E_INVALID      NULL or an index out of range.
+ * @retval SPH_E_UNSUPPORTED  another ending.
+ * @retval SPH_E_IO           the file cannot be written: the message has the path and the reason.
+ * @retval SPH_E_NOMEM        out of memory.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_save_surface(sph_context *context, const sph_surface *surface, uint32_t index,
+                                       const char *path);
+/** @brief Loads a level from `.sphm` or `.json`. @since 0.1 */
+SPH_API sph_status sph_io_load_level(sph_context *context, const char *path, sph_level **out);
+
+SPH_END_DECLS
+
+#endif
