@@ -10,6 +10,7 @@
 #include "measure.h"
 #include "quadric.h"
 #include "query.h"
+#include "skin.h"
 #include "surface.h"
 #include "version.h"
 

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+#include "numeric/rotation.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+/* One Jacobi rotation that makes a[p][q] zero. */
+static void annihilate(double a[4][4], double v[4][4], int p, int q)
+{
+    const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+    const double t = (theta >= 0 ? 1 : -1) / (fabs(theta) + sqrt(theta * theta + 1));
+    const double c = 1 / sqrt(t * t + 1), s = t * c;
+    for (int k = 0; k < 4; ++k) {
+        const double x = a[k][p], y = a[k][q];
+        a[k][p] = c * x - s * y;
+        a[k][q] = s * x + c * y;
+    }
+    for (int k = 0; k < 4; ++k) {
+        const double x = a[p][k], y = a[q][k];
+        a[p][k] = c * x - s * y;
+        a[q][k] = s * x + c * y;
+    }
+    a[p][q] = a[q][p] = 0;
+    for (int k = 0; k < 4; ++k) {
+        const double x = v[p][k], y = v[q][k];
+        v[p][k] = c * x - s * y;
+        v[q][k] = s * x + c * y;
+    }
+}
+
+void sph__sym4_eigen(const double m[16], double values[4], double vectors[16])
+{
+    enum { SWEEPS = 30 }; /* some six are ever needed */
+    double a[4][4], v[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+    double scale = 0;
+    int order[4] = {0, 1, 2, 3};
+    memcpy(a, m, sizeof a);
+    for (int i = 0; i < 16; ++i)
+        scale = fmax(scale, fabs(m[i]));
+    for (int sweep = 0; sweep < SWEEPS; ++sweep) {
+        bool done = true;
+        for (int p = 0; p < 3; ++p)
+            for (int q = p + 1; q < 4; ++q) {
+                if (!(fabs(a[p][q]) > 1e-17 * scale)) continue;
+                annihilate(a, v, p, q);
+                done = false;
+            }
+        if (done) break;
+    }
+    for (int i = 1; i < 4; ++i)
+        for (int k = i; k > 0 && a[order[k]][order[k]] > a[order[k - 1]][order[k - 1]]; --k) {
+            const int swap = order[k];
+            order[k] = order[k - 1];
+            order[k - 1] = swap;
+        }
+    for (int i = 0; i < 4; ++i) {
+        values[i] = a[order[i]][order[i]];
+        memcpy(vectors + 4 * i, v[order[i]], sizeof v[0]);
+    }
+}
+
+void sph__rotation_from_quaternion(const double q[4], double r[9])
+{
+    const double x = q[0], y = q[1], z = q[2], w = q[3];
+    const double s = 2 / (x * x + y * y + z * z + w * w);
+    r[0] = 1 - s * (y * y + z * z);
+    r[1] = s * (x * y - z * w);
+    r[2] = s * (x * z + y * w);
+    r[3] = s * (x * y + z * w);
+    r[4] = 1 - s * (x * x + z * z);
+    r[5] = s * (y * z - x * w);
+    r[6] = s * (x * z - y * w);
+    r[7] = s * (y * z + x * w);
+    r[8] = 1 - s * (x * x + y * y);
+}
+
+/* trace(R' M) = q' S q for this symmetric S (Horn 1987). */
+static void quaternion_form(const double m[9], double s[16])
+{
+    const double upper[10] = {m[0] - m[4] - m[8], m[1] + m[3],        m[2] + m[6], m[7] - m[5], m[4] - m[0] - m[8],
+                              m[5] + m[7],        m[2] - m[6],        m[8] - m[0] - m[4],       m[3] - m[1],
+                              m[0] + m[4] + m[8]};
+    int at = 0;
+    for (int i = 0; i < 4; ++i)
+        for (int k = i; k < 4; ++k)
+            s[4 * i + k] = s[4 * k + i] = upper[at++];
+}
+
+void sph__nearest_rotation(const double m[9], double rotation[9])
+{
+    static const double IDENTITY[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    double s[16], values[4], vectors[16];
+    bool zero = true;
+    for (int i = 0; i < 9; ++i)
+        zero = zero && m[i] == 0;
+    if (zero) {
+        memcpy(rotation, IDENTITY, sizeof IDENTITY);
+        return;
+    }
+    quaternion_form(m, s);
+    sph__sym4_eigen(s, values, vectors);
+    sph__rotation_from_quaternion(vectors, rotation);
+}
+
+void sph__quaternion_from_rotation(const double r[9], double q[4])
+{
+    double s[16], values[4], vectors[16];
+    quaternion_form(r, s);
+    sph__sym4_eigen(s, values, vectors);
+    memcpy(q, vectors, 4 * sizeof *q);
+}
