@@ -5,6 +5,7 @@
 
 #include "animation.h"
 #include "context.h"
+#include "coverage.h"
 #include "hierarchy.h"
 #include "level.h"
 #include "measure.h"
