@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* sphmesh render: pictures of levels. */
+/* sphmesh render: pictures of levels and of the meshes that they stand for. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,137 +8,257 @@
 #include "picture.h"
 #include "program.h"
 #include "report.h"
-#include "session.h"
+#include "scene.h"
 
-static const char HELP[] = "Draws levels: what spheres alone touch red, edges yellow, triangles blue.\n"
+static const char HELP[] = "Draws levels and meshes. Spheres are red, edges yellow, triangles blue.\n"
                            "\n"
-                           "usage: sphmesh render LEVEL... -o OUT.png [OPTION]...\n"
+                           "usage: sphmesh render LEVEL|INPUT... -o OUT.png [OPTION]...\n"
                            "\n"
-                           "Each LEVEL (.json or .sphm) is a row of the picture, each frame a column, all\n"
-                           "seen from the same side and at the same scale.\n"
+                           "The tiles: INPUT, if there is one (named as for 'sphmesh build'), then each\n"
+                           "LEVEL (.json, .sphm), in each frame; at one scale and from the same side.\n"
                            "\n"
                            "  -o, --output OUT.png        where the picture goes\n"
+                           "      --levels K,K,...        levels of a hierarchy given as LEVEL\n"
+                           "      --overlay INPUT         draw this mesh as of glass over the levels\n"
                            "      --frames A:B:STEP       the frames to draw (the first only)\n"
-                           "      --size N                pixels along the side of one tile (360)\n"
-                           "      --azimuth DEG           side to look from, around the y axis; 0: +z (35)\n"
-                           "      --elevation DEG         and how far above the horizon (15)\n"
-                           "      --json                  figures as JSON on stdout\n"
-                           "      --progress HOW          auto, bar, plain, json or none, on stderr (auto)\n"
-                           "      --threads N             threads; 0: one per processor (0)\n"
-                           "  -q, --quiet; -h, --help\n"
+                           "      --input-frames A:B:STEP frames of INPUT that levels were built from (all)\n"
+                           "      --columns N             tiles in a row (the frames; else all)\n"
+                           "      --size N | WxH          pixels of one tile (360)\n"
+                           "      --view NAME             corner, front, side, back or top (corner)\n"
+                           "      --azimuth DEG           or from where, around the y axis (0: from +z)\n"
+                           "      --elevation DEG         and how far above the horizon\n"
+                           "      --zoom Z                nearer (1: the mean box over frames fits)\n"
+                           "      --center X,Y,Z          what is in the middle of a tile (that box)\n"
+                           "      --follow                ... or each frame's own box\n"
+                           "      --focal MM              perspective, as a lens on 35 mm film (0: none)\n"
+                           "      --flat                  no shadows and no ground\n"
+                           "      --samples N             rays along the side of a pixel, 1 to 8 (3)\n"
+                           "      --cache C, --clip NAME, --fps N, --up y|z, --scale S\n"
+                           "                              of INPUT, as for 'sphmesh build'\n"
+                           "      --json, --progress HOW, --threads N, -q, --quiet; -h, --help\n"
                            "\n"
                            "example:\n"
-                           "  sphmesh render horse-40.json horse-20.json --frames ::12 -o horse.png\n";
+                           "  sphmesh render horse.sphm --levels 46,20,10 --frames ::12 -o horse.png\n";
 
-enum { MOST_TILES = 4096, MOST_PIXELS = 1 << 28 };
+enum { MOST_TILES = 4096, MOST_PIXELS = 1 << 28, LEAST_SIZE = 16, MOST_SIZE = 8192 };
+
+enum { VIEW_CORNER, VIEW_FRONT, VIEW_SIDE, VIEW_BACK, VIEW_TOP };
+static const char *const view_choices[] = {"corner", "front", "side", "back", "top", NULL};
+static const double VIEWS[][2] = {{35, 15}, {0, 0}, {90, 0}, {180, 0}, {0, 90}};
 
 typedef struct render_options {
     common_options common;
-    const char *output;
+    scene_options scene;
+    camera_aim aim;
+    const char *output, *levels, *size, *centre;
     frame_range frames;
-    uint32_t size;
-    double azimuth, elevation;
+    uint32_t columns, samples, width, height;
+    int view;
+    bool follow, flat;
 } render_options;
 
-typedef struct scene {
-    const sph_level **levels;
-    size_t level_count;
-    uint32_t columns;
-    const render_options *options;
-    picture_view view;
-} scene;
+/* Tiles of the picture: each figure in each frame, one after the other. */
+typedef struct sheet {
+    uint32_t frames, tiles, columns, rows;
+} sheet;
 
-static int parse(render_options *o, int argc, char **argv, arguments *paths)
+/* "46,20,10" */
+static bool read_counts(const char *text, scene_options *o)
 {
-    const option table[] = {{"output", 'o', OPTION_TEXT, &o->output, 0, 0, NULL},
-                            {"frames", 0, OPTION_FRAMES, &o->frames, 0, 0, NULL},
-                            {"size", 0, OPTION_COUNT, &o->size, 16, 8192, NULL},
-                            {"azimuth", 0, OPTION_NUMBER, &o->azimuth, -360, 360, NULL},
-                            {"elevation", 0, OPTION_NUMBER, &o->elevation, -90, 90, NULL},
-                            COMMON_OPTIONS(o->common)};
-    int result;
-    *o = (render_options){.frames = {.end = 1, .step = 1}, .size = 360, .azimuth = 35, .elevation = 15};
-    result = options_parse("render", table, argc, argv, paths);
-    if (result != DONE || o->common.help) return result;
-    if (paths->count == 0) return usage_error("render", "no level: what should be drawn?");
-    if (o->output == NULL) return usage_error("render", "-o is missing: where should the picture go?");
-    if (!name_ends(o->output, ".png")) return usage_error("render", "-o: '%s' does not end in .png", o->output);
-    for (size_t i = 0; i < paths->count; ++i)
-        if (!name_ends(paths->items[i], ".json") && !name_ends(paths->items[i], ".sphm"))
-            return usage_error("render", "'%s' does not end in .json or .sphm", paths->items[i]);
+    for (o->count_count = 0; o->count_count < SCENE_COUNTS; ++text) {
+        char *end;
+        const unsigned long long value = *text >= '0' && *text <= '9' ? strtoull(text, &end, 10) : 0;
+        if (value == 0 || value > UINT32_MAX) return false;
+        o->counts[o->count_count++] = (uint32_t)value;
+        text = end;
+        if (*text != ',') return *text == '\0';
+    }
+    return false;
+}
+
+/* "360" or "480x360" */
+static bool read_size(const char *text, render_options *o)
+{
+    unsigned long width, height;
+    char *end;
+    if (*text < '0' || *text > '9') return false;
+    width = height = strtoul(text, &end, 10);
+    if (*end == 'x' && end[1] >= '0' && end[1] <= '9') height = strtoul(end + 1, &end, 10);
+    if (*end != '\0' || width < LEAST_SIZE || width > MOST_SIZE || height < LEAST_SIZE || height > MOST_SIZE)
+        return false;
+    o->width = (uint32_t)width;
+    o->height = (uint32_t)height;
+    return true;
+}
+
+/* "0.5,1,-2" */
+static bool read_place(const char *text, double place[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        char *end;
+        place[k] = strtod(text, &end);
+        if (end == text || *text == ' ' || !isfinite(place[k]) || *end != (k < 2 ? ',' : '\0')) return false;
+        text = end + 1;
+    }
+    return true;
+}
+
+static int check_texts(render_options *o)
+{
+    if (o->levels != NULL && !read_counts(o->levels, &o->scene))
+        return usage_error("render", "--levels: '%s' is not a list of up to %d numbers of spheres, as in 46,20,10",
+                           o->levels, SCENE_COUNTS);
+    if (o->size != NULL && !read_size(o->size, o))
+        return usage_error("render", "--size: '%s' is not a number of pixels from %d to %d, nor two as in 480x360",
+                           o->size, LEAST_SIZE, MOST_SIZE);
+    o->aim.has_centre = o->centre != NULL;
+    if (o->centre != NULL && !read_place(o->centre, o->aim.centre))
+        return usage_error("render", "--center: '%s' is not a place, as in 0.5,1,-2", o->centre);
+    if (o->follow && o->centre != NULL) return usage_error("render", "--follow and --center: give one of the two");
     return DONE;
 }
 
-/* Frames of the range that all levels have. */
-static uint32_t count_columns(const scene *s)
+static int check_paths(const render_options *o, const arguments *paths)
 {
-    const frame_range *r = &s->options->frames;
+    arguments meshes = *paths;
+    meshes.count = 0;
+    for (size_t i = 0; i < paths->count; ++i)
+        meshes.count += !scene_is_level(paths->items[i]);
+    if (paths->count == 0) return usage_error("render", "nothing to draw: name levels, or a mesh");
+    if (o->output == NULL) return usage_error("render", "-o is missing: where should the picture go?");
+    if (!name_ends(o->output, ".png")) return usage_error("render", "-o: '%s' does not end in .png", o->output);
+    if (o->scene.overlay != NULL && scene_is_level(o->scene.overlay))
+        return usage_error("render", "--overlay: '%s' is a level; a mesh goes here", o->scene.overlay);
+    if (o->scene.overlay != NULL && meshes.count == paths->count)
+        return usage_error("render", "--overlay: there is no level to draw it over");
+    if (meshes.count == 0 && o->scene.overlay == NULL)
+        return o->scene.input.cache == NULL ? DONE
+                                            : usage_error("render", "--cache: there is no mesh that it could move");
+    meshes.count += meshes.count == 0;
+    return input_check("render", &o->scene.input, &meshes);
+}
+
+static int parse(render_options *o, int argc, char **argv, arguments *paths)
+{
+    input_options *input = &o->scene.input;
+    const option table[] = {{"output", 'o', OPTION_TEXT, &o->output, 0, 0, NULL},
+                            {"levels", 0, OPTION_TEXT, &o->levels, 0, 0, NULL},
+                            {"overlay", 0, OPTION_TEXT, &o->scene.overlay, 0, 0, NULL},
+                            {"frames", 0, OPTION_FRAMES, &o->frames, 0, 0, NULL},
+                            {"input-frames", 0, OPTION_FRAMES, &input->frames, 0, 0, NULL},
+                            {"columns", 0, OPTION_COUNT, &o->columns, 1, MOST_TILES, NULL},
+                            {"size", 0, OPTION_TEXT, &o->size, 0, 0, NULL},
+                            {"view", 0, OPTION_CHOICE, &o->view, 0, 0, view_choices},
+                            {"azimuth", 0, OPTION_NUMBER, &o->aim.azimuth, -360, 360, NULL},
+                            {"elevation", 0, OPTION_NUMBER, &o->aim.elevation, -90, 90, NULL},
+                            {"zoom", 0, OPTION_NUMBER, &o->aim.zoom, 1e-3, 1e3, NULL},
+                            {"center", 0, OPTION_TEXT, &o->centre, 0, 0, NULL},
+                            {"focal", 0, OPTION_NUMBER, &o->aim.focal, 0, 1e4, NULL},
+                            {"follow", 0, OPTION_FLAG, &o->follow, 0, 0, NULL},
+                            {"flat", 0, OPTION_FLAG, &o->flat, 0, 0, NULL},
+                            {"samples", 0, OPTION_COUNT, &o->samples, 1, 8, NULL},
+                            {"cache", 0, OPTION_TEXT, &input->cache, 0, 0, NULL},
+                            {"clip", 0, OPTION_TEXT, &input->clip, 0, 0, NULL},
+                            {"fps", 0, OPTION_NUMBER, &input->fps, 1e-3, 1e6, NULL},
+                            {"up", 0, OPTION_CHOICE, &input->up, 0, 0, up_choices},
+                            {"scale", 0, OPTION_NUMBER, &input->scale, -1e30, 1e30, NULL},
+                            COMMON_OPTIONS(o->common)};
+    int result;
+    *o = (render_options){.scene = {.input = INPUT_DEFAULTS},
+                          .frames = {.end = 1, .step = 1},
+                          .aim = {.azimuth = NAN, .elevation = NAN, .zoom = 1},
+                          .samples = 3,
+                          .width = 360,
+                          .height = 360};
+    result = options_parse("render", table, argc, argv, paths);
+    if (result != DONE || o->common.help) return result;
+    if (isnan(o->aim.azimuth)) o->aim.azimuth = VIEWS[o->view][0];
+    if (isnan(o->aim.elevation)) o->aim.elevation = VIEWS[o->view][1];
+    result = check_texts(o);
+    return result == DONE ? check_paths(o, paths) : result;
+}
+
+/* Frames of the range that all figures have. */
+static uint32_t count_frames(const scene *sc, const frame_range *r)
+{
     uint32_t end = r->end == 0 ? UINT32_MAX : r->end;
-    for (size_t i = 0; i < s->level_count; ++i)
-        if (sph_level_frame_count(s->levels[i]) < end) end = sph_level_frame_count(s->levels[i]);
+    for (size_t i = 0; i < sc->figure_count; ++i)
+        if (sc->figures[i].frame_count < end) end = sc->figures[i].frame_count;
     return r->first >= end ? 0 : (end - r->first - 1) / r->step + 1;
 }
 
-/* A ball around the spheres of all tiles, so that the scale does not depend on the side that is looked at. */
-static void aim(scene *s)
+static int lay_out(const render_options *o, const scene *sc, sheet *sh)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, sum = 0;
-    for (size_t i = 0; i < s->level_count; ++i) {
-        sph_level_arrays a = {.struct_size = sizeof a};
-        if (sph_level_get_arrays(s->levels[i], &a) != SPH_OK) continue;
-        for (uint32_t c = 0; c < s->columns; ++c) {
-            const size_t first = (size_t)(s->options->frames.first + c * s->options->frames.step) * a.sphere_count;
-            for (size_t j = 0; j < 3 * (size_t)a.sphere_count; ++j) {
-                const double r = a.radii[(a.radii_per_frame ? first : 0) + j / 3], x = a.centers[3 * first + j];
-                low[j % 3] = fmin(low[j % 3], x - r);
-                high[j % 3] = fmax(high[j % 3], x + r);
-            }
-        }
-    }
-    for (int k = 0; k < 3; ++k) {
-        s->view.middle[k] = (low[k] + high[k]) / 2;
-        sum += (high[k] - low[k]) * (high[k] - low[k]);
-    }
-    s->view.reach = sum > 0 ? sqrt(sum) / 2 : 1;
-    picture_turn(&s->view, s->options->azimuth, s->options->elevation);
+    uint64_t tiles, pixels;
+    sh->frames = count_frames(sc, &o->frames);
+    if (sh->frames == 0) return failure("--frames: not everything that is to be drawn has frame %u", o->frames.first);
+    tiles = (uint64_t)sh->frames * sc->figure_count;
+    if (tiles > MOST_TILES)
+        return failure("%zu figures in %u frames: too many for one picture", sc->figure_count, sh->frames);
+    sh->tiles = (uint32_t)tiles;
+    sh->columns = o->columns != 0 ? o->columns : sh->frames > 1 ? sh->frames : sh->tiles;
+    if (sh->columns > sh->tiles) sh->columns = sh->tiles;
+    sh->rows = (sh->tiles - 1) / sh->columns + 1;
+    pixels = (uint64_t)sh->columns * sh->rows * o->width * o->height;
+    if (pixels <= MOST_PIXELS) return DONE;
+    return failure("%u by %u tiles of %u by %u pixels: the picture is too large", sh->columns, sh->rows, o->width,
+                   o->height);
 }
 
-static sph_status draw(session *s, const scene *sc, picture *p)
+/* The camera for a frame: it stays where it is, but goes along with the figures where it should. */
+static void aim(const render_options *o, const scene *sc, uint32_t frame, camera *c)
 {
-    sph_status status = SPH_OK;
-    for (size_t i = 0; i < sc->level_count && status == SPH_OK; ++i) {
-        sph_query *query = NULL;
-        status = sph_query_create(sc->levels[i], NULL, &query);
-        for (uint32_t c = 0; c < sc->columns && status == SPH_OK; ++c) {
-            const double done = (double)(i * sc->columns + c) / (double)(sc->level_count * sc->columns);
-            status = sph_context_report_progress(s->context, "render", done);
-            if (status == SPH_OK)
-                status = sph_query_pose_frame(query, sc->options->frames.first + c * sc->options->frames.step);
-            if (status == SPH_OK)
-                status = picture_draw(p, s->context, query, &sc->view, c * sc->options->size,
-                                      (uint32_t)i * sc->options->size, sc->options->size);
-        }
-        sph_query_destroy(query);
+    camera_aim a = o->aim;
+    if (o->follow && frame < sc->middle_count) {
+        memcpy(a.centre, &sc->middles[3 * (size_t)frame], sizeof a.centre);
+        a.centre[1] = (sc->mean.low[1] + sc->mean.high[1]) / 2;
+        a.has_centre = true;
     }
-    return status;
+    camera_set(c, &a, &sc->mean, o->width, o->height);
 }
 
-static void tell(const session *s, const render_options *o, const picture *p, const scene *sc)
+static sph_status draw_tile(session *s, const render_options *o, scene *sc, const sheet *sh, uint32_t i, picture *p)
+{
+    const uint32_t frame = o->frames.first + i % sh->frames * o->frames.step;
+    figure *f = &sc->figures[i / sh->frames];
+    const bool is_glazed = sc->overlay.query != NULL && f->animation == NULL;
+    camera c;
+    tile t = {.figure = f,
+              .overlay = is_glazed ? &sc->overlay : NULL,
+              .camera = &c,
+              .left = i % sh->columns * o->width,
+              .top = i / sh->columns * o->height,
+              .width = o->width,
+              .height = o->height,
+              .samples = o->samples,
+              .has_shadows = !o->flat,
+              .ground = sc->ground,
+              .scale = box_diagonal(&sc->mean)};
+    sph_status status = figure_pose(f, frame);
+    if (status == SPH_OK && is_glazed) status = figure_pose(&sc->overlay, frame);
+    if (status != SPH_OK) return status;
+    aim(o, sc, frame, &c);
+    return picture_draw(p, s->context, &t);
+}
+
+static void tell(const session *s, const render_options *o, const picture *p, const scene *sc, const sheet *sh)
 {
     json j;
     if (s->json) {
         json_start(&j, stdout, false);
         json_open(&j, NULL, '{');
         json_text(&j, "output", o->output);
-        json_integer(&j, "levels", sc->level_count);
-        json_integer(&j, "frames", sc->columns);
+        json_integer(&j, "levels", sc->figure_count - (sc->figures[0].animation != NULL));
+        json_integer(&j, "meshes", sc->figures[0].animation != NULL);
+        json_integer(&j, "frames", sh->frames);
+        json_integer(&j, "columns", sh->columns);
+        json_integer(&j, "rows", sh->rows);
         json_integer(&j, "width", p->width);
         json_integer(&j, "height", p->height);
         json_close(&j, '}');
         json_finish(&j);
     } else if (!s->quiet) {
-        printf("picture:    %u by %u pixels, %zu levels by %u frames\n", p->width, p->height, sc->level_count,
-               sc->columns);
+        printf("picture:    %u by %u pixels, %u by %u tiles\n", p->width, p->height, sh->columns, sh->rows);
         printf("wrote:      %s (%s)\n", o->output, size_text(file_size(o->output)));
     }
 }
@@ -146,43 +266,27 @@ static void tell(const session *s, const render_options *o, const picture *p, co
 static int draw_all(session *s, const render_options *o, scene *sc)
 {
     picture p = {0};
-    sph_status status;
-    int result = DONE;
-    sc->options = o;
-    sc->columns = count_columns(sc);
-    if (sc->columns == 0) return failure("--frames: not all levels have frame %u", o->frames.first);
-    if (sc->level_count * sc->columns > MOST_TILES || sc->level_count * sc->columns > MOST_PIXELS / o->size / o->size)
-        return failure("%zu levels by %u frames of %u pixels: the picture is too large", sc->level_count, sc->columns,
-                       o->size);
-    p.width = sc->columns * o->size;
-    p.height = (uint32_t)sc->level_count * o->size;
+    sheet sh = {0};
+    sph_status status = SPH_OK;
+    int result = lay_out(o, sc, &sh);
+    if (result != DONE) return result;
+    p.width = sh.columns * o->width;
+    p.height = sh.rows * o->height;
     p.rgb = malloc((size_t)3 * p.width * p.height);
     if (p.rgb == NULL) return failure("out of memory");
     memset(p.rgb, 255, (size_t)3 * p.width * p.height);
-    aim(sc);
     progress_start(&s->progress, "drawing");
-    status = draw(s, sc, &p);
+    for (uint32_t i = 0; i < sh.tiles && status == SPH_OK; ++i) {
+        status = sph_context_report_progress(s->context, "render", (double)i / sh.tiles);
+        if (status == SPH_OK) status = draw_tile(s, o, sc, &sh, i, &p);
+    }
     progress_end(&s->progress);
     if (status == SPH_OK && interrupted()) status = SPH_E_CANCELLED;
     if (status != SPH_OK)
         result = session_fail(s, status, NULL);
     else if ((result = picture_save(&p, o->output)) == DONE)
-        tell(s, o, &p, sc);
+        tell(s, o, &p, sc, &sh);
     free(p.rgb);
-    return result;
-}
-
-static int render(session *s, const render_options *o, const arguments *paths)
-{
-    sph_level **levels = calloc(paths->count, sizeof *levels);
-    scene sc = {.levels = (const sph_level **)levels, .level_count = paths->count};
-    int result = levels == NULL ? failure("out of memory") : DONE;
-    for (size_t i = 0; i < paths->count && result == DONE; ++i)
-        result = load_level(s, paths->items[i], &levels[i]);
-    if (result == DONE) result = draw_all(s, o, &sc);
-    for (size_t i = 0; i < paths->count && levels != NULL; ++i)
-        sph_level_destroy(levels[i]);
-    free(levels);
     return result;
 }
 
@@ -190,16 +294,19 @@ static int run(int argc, char **argv)
 {
     render_options o;
     arguments paths;
+    scene sc;
     session s;
     int result = parse(&o, argc, argv, &paths);
     if (result == DONE && o.common.help) {
         fputs(HELP, stdout);
     } else if (result == DONE && (result = session_open(&s, &o.common)) == DONE) {
-        result = render(&s, &o, &paths);
+        result = scene_open(&s, &o.scene, &paths, &sc);
+        if (result == DONE) result = draw_all(&s, &o, &sc);
+        scene_close(&s, &sc);
         session_close(&s);
     }
     free(paths.items);
     return result;
 }
 
-const subcommand render_command = {"render", "draw levels as a picture", HELP, run};
+const subcommand render_command = {"render", "draw levels and meshes as a picture", HELP, run};

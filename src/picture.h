@@ -1,26 +1,30 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of posed levels by parallel rays, and PNG files. */
+/* Pictures of posed figures by rays, and PNG files. */
 #ifndef PICTURE_H
 #define PICTURE_H
 
-#include <sphmesh/sphmesh.h>
+#include "camera.h"
+#include "figure.h"
 
 typedef struct picture {
     uint32_t width, height;
     unsigned char *rgb; /* rows from the top */
 } picture;
 
-/* Parallel rays along -back through a square of side 2 * reach around `middle`. */
-typedef struct picture_view {
-    double middle[3], reach;
-    double right[3], up[3], back[3]; /* unit */
-} picture_view;
+/* What is drawn on one tile, and how. */
+typedef struct tile {
+    const figure *figure;
+    const figure *overlay; /* drawn as if of glass over it; NULL: none */
+    const camera *camera;
+    uint32_t left, top, width, height;
+    uint32_t samples; /* rays along the side of a pixel */
+    bool has_shadows; /* also from the ground */
+    double ground;    /* its height */
+    double scale;     /* the diagonal of the box that is looked at */
+} tile;
 
-/* Looks from `azimuth` degrees around y (0: from +z) and `elevation` above the horizon. */
-void picture_turn(picture_view *view, double azimuth, double elevation);
-/* Draws the level into the square tile of `size` pixels at (left, top). */
-sph_status picture_draw(picture *p, sph_context *context, const sph_query *query, const picture_view *view,
-                        uint32_t left, uint32_t top, uint32_t size);
+/* Rows are shared among the context's threads; the picture is the same for any number of them. */
+sph_status picture_draw(picture *p, sph_context *context, const tile *t);
 /* Writes a PNG file, whole or not at all: DONE, or FAILED after it has said why. */
 int picture_save(const picture *p, const char *path);
 

@@ -146,23 +146,6 @@ class RoundTrip(InFolder):
         self.refuses(2, "'no.txt' does not end in", "surface", "s.sphm", "-o", "no.txt")
         self.assertFalse(os.path.exists(os.path.join(FOLDER, "no.ply")))
 
-    def test_levels_are_drawn_as_a_sheet_of_rows_and_columns(self):
-        if run("help", "render").returncode != 0:
-            self.skipTest("the program was built without libpng")
-        for spheres in (20, 10):
-            self.succeeds("level", "creature.sphm", "--spheres", spheres, "-o", f"r{spheres}.json")
-        told = self.json("render", "r20.json", "r10.json", "--frames", "0:3", "--size", 40, "-o", "r.png")
-        self.assertEqual((told["levels"], told["frames"]), (2, 3))
-        picture = content("r.png")
-        self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
-        self.assertEqual([int.from_bytes(picture[i:i + 4], "big") for i in (16, 20)], [120, 80])
-        self.succeeds("render", "r20.json", "r10.json", "--frames", "0:3", "--size", 40, "-o", "again.png")
-        self.assertEqual(content("again.png"), picture)
-        self.refuses(1, "none/r.png: cannot be written", "render", "r20.json", "-o", "none/r.png")
-        self.refuses(1, "have frame 999", "render", "r20.json", "--frames", "999:1000", "-o", "no.png")
-        self.refuses(2, "'r.jpg' does not end in", "render", "r20.json", "-o", "r.jpg")
-        self.refuses(2, "no level", "render", "-o", "r.png")
-
     def test_optimized_connectivity_keeps_the_spheres(self):
         self.succeeds("level", "creature.sphm", "--spheres", 30, "-o", "plain.json")
         self.succeeds("level", "creature.sphm", "--spheres", 30, "-o", "dual.json", "--optimize-connectivity")
