@@ -38,10 +38,38 @@ typedef struct sph_level_arrays {
  * @param[out] out           owned by the caller; NULL on failure.
  * @retval SPH_E_INVALID  NULL or a count out of range (the message says the range).
  * @retval SPH_E_NOMEM    out of memory.
- * @par Cost  O(K F) for the spheres, O(K) for the simplices, O(n) for the labels.
+ * @par Cost  O(K F) for the spheres, O(K log K) for the simplices, O(n) for the labels.
  * @since 0.1
  */
 SPH_API sph_status sph_level_create(const sph_hierarchy *hierarchy, uint32_t sphere_count, sph_level **out);
+
+/** Whether a level says for every input vertex which sphere holds it. */
+enum { SPH_LABELS_VERTICES = 0, SPH_LABELS_NONE = 1 };
+
+/** Options of sph_level_extract(). Fill with sph_level_options_init() first. */
+typedef struct sph_level_options {
+    uint32_t struct_size; /**< bytes the caller knows of; written by the initialiser */
+    uint32_t flags;       /**< must be 0 */
+    uint32_t first_frame; /**< the level's frame 0; default 0 */
+    uint32_t frame_count; /**< 0 (default): all from first_frame on */
+    int32_t labels;       /**< one of SPH_LABELS_*; default all vertices */
+} sph_level_options;
+
+/** @brief Fills `options` with the defaults. Call as `sph_level_options_init(&o, sizeof o)`. @since 0.1 */
+SPH_API void sph_level_options_init(sph_level_options *options, size_t size);
+
+/**
+ * @brief sph_level_create() of some frames, or without labels: a jump whose time does not grow with the input.
+ * @param[in]  options  NULL: as sph_level_create().
+ * @param[out] out      owned by the caller; NULL on failure.
+ * @retval SPH_E_INVALID  as sph_level_create(), frames that there are not, or bad options.
+ * @retval SPH_E_VERSION  options that only a newer library knows are set.
+ * @retval SPH_E_NOMEM    out of memory.
+ * @par Cost  O(K f) for the spheres of f frames, O(K log K) for the simplices, O(n) for labels where they are wanted.
+ * @since 0.1
+ */
+SPH_API sph_status sph_level_extract(const sph_hierarchy *hierarchy, uint32_t sphere_count,
+                                     const sph_level_options *options, sph_level **out);
 
 /**
  * @brief A level from the caller's arrays, which are checked and copied.

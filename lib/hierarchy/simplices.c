@@ -32,6 +32,7 @@ void sph__order_triangles(uint32_t *triangles, size_t count, sph__keyed *keys)
 void sph__simplices_free(const sph_context *context, sph__simplices *s)
 {
     sph__free(context, s->nodes);
+    sph__free(context, s->places);
     sph__free(context, s->edges);
     sph__free(context, s->triangles);
     *s = (sph__simplices){0};
@@ -58,21 +59,11 @@ static sph_status list_nodes(jump *j)
     for (uint32_t i = 0; i < h->root_count; ++i)
         if (h->roots[i] < j->end) j->keys[count++] = (sph__keyed){h->roots[i], 0};
     sph__sort(j->keys, count);
-    for (size_t i = 0; i < count; ++i) j->out->nodes[i] = (uint32_t)j->keys[i].key;
-    return count == j->out->node_count ? SPH_OK : sph__fail(h->context, SPH_E_INVALID, "the hierarchy is damaged");
-}
-
-static uint32_t place_of(const jump *j, uint32_t node)
-{
-    uint32_t low = 0, high = j->out->node_count;
-    while (low < high) {
-        const uint32_t middle = low + (high - low) / 2;
-        if (j->out->nodes[middle] < node)
-            low = middle + 1;
-        else
-            high = middle;
+    for (size_t i = 0; i < count; ++i) {
+        j->out->nodes[i] = (uint32_t)j->keys[i].key;
+        j->out->places[j->keys[i].key] = (uint32_t)i;
     }
-    return low;
+    return count == j->out->node_count ? SPH_OK : sph__fail(h->context, SPH_E_INVALID, "the hierarchy is damaged");
 }
 
 static sph_status list_edges(jump *j)
@@ -98,18 +89,17 @@ static sph_status list_edges(jump *j)
 
 static void cover_edge(jump *j, uint32_t a, uint32_t b)
 {
-    const uint32_t young = a > b ? a : b, old = a > b ? b : a, place = place_of(j, young);
-    for (size_t low = j->starts[place], high = j->starts[place + 1]; low < high;) {
+    const uint32_t young = a > b ? a : b, old = a > b ? b : a, place = j->out->places[young];
+    size_t low = j->starts[place], high = j->starts[place + 1];
+    while (high - low > 8) {
         const size_t middle = low + (high - low) / 2;
-        if (j->others[middle] == old) {
-            j->covered[middle] = 1;
-            return;
-        }
-        if (j->others[middle] < old)
-            low = middle + 1;
+        if (j->others[middle] <= old)
+            low = middle;
         else
             high = middle;
     }
+    for (; low < high; ++low)
+        if (j->others[low] == old) j->covered[low] = 1;
 }
 
 static sph_status list_triangles(jump *j)
@@ -175,7 +165,9 @@ sph_status sph__simplices_jump(const sph_hierarchy *h, uint32_t end, sph__simpli
     j.keys = sph__alloc(h->context, count, sizeof *j.keys);
     j.starts = sph__alloc(h->context, (size_t)count + 1, sizeof *j.starts);
     simplices->nodes = sph__alloc(h->context, count, sizeof *simplices->nodes);
-    if (j.keys == NULL || j.starts == NULL || simplices->nodes == NULL) status = sph__fail_memory(h->context);
+    simplices->places = sph__alloc(h->context, end, sizeof *simplices->places);
+    if (j.keys == NULL || j.starts == NULL || simplices->nodes == NULL || simplices->places == NULL)
+        status = sph__fail_memory(h->context);
     if (status == SPH_OK) status = list_nodes(&j);
     if (status == SPH_OK) status = list_edges(&j);
     if (status == SPH_OK) status = list_triangles(&j);

@@ -8,6 +8,7 @@
 typedef struct sph__simplices {
     uint32_t node_count;
     uint32_t *nodes; /* ascending */
+    uint32_t *places; /* where an alive node is among `nodes`; undefined for others, so that making it takes no time */
     size_t edge_count;
     uint32_t *edges; /* wire edges; the smaller end first, ascending */
     size_t triangle_count;
