@@ -202,14 +202,14 @@ if wanted sanitize; then
     export ASAN_OPTIONS=abort_on_error=0:allocator_may_return_null=1
     export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
     build sanitize -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 &&
-        run sanitize --timeout-multiplier 4 --no-suite interrupt --no-suite long
+        run sanitize --timeout-multiplier 4 --no-suite interrupt --no-suite long --no-suite reference
 fi
 
 if wanted threads; then
     say "thread sanitizer"
     export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
     if build threads -Db_sanitize=thread -Db_lundef=false -Doptimization=1; then
-        run threads --timeout-multiplier 4 --no-suite serial --no-suite io --no-suite cli --no-suite reference
+        run threads --timeout-multiplier 4 --suite threads
         check "the program's threads do not race" "$work/threads/src/sphmesh" demo --quiet --resolution 32 \
             --frame-count 4 --samples 100 --threads 4 -o "$work/race"
     fi
