@@ -13,7 +13,7 @@
 
 #include "particles.h"
 
-enum { PARTICLES = 1000, COLLIDERS = 3, COLUMNS = 3, STEPS_MOST = 64, CONTACTS_MOST = 4 };
+enum { PARTICLES = 1000, COLLIDERS = 3, COLUMNS = 3, STEPS_MOST = 1000, CONTACTS_MOST = 4 };
 
 static const double RADIUS = 0.01;    /* of a particle; lengths are in diagonals of the mean bounding box */
 static const double TOLERANCE = 0.02; /* so deep inside the input a particle has leaked */
@@ -101,21 +101,27 @@ static void surface_velocity(const world *w, const collider *c, const sph_contac
 }
 
 /* Steps per frame, so that no surface moves by more than half a particle's radius in one. */
-static uint32_t count_steps(const world *w)
+static sph_status count_steps(const world *w, uint32_t *steps)
 {
     double most = 0;
     for (int i = 0; i < COLLIDERS; ++i) {
         const sph_level_arrays *a = &w->colliders[i].parts;
-        const size_t row = 3 * (size_t)a->sphere_count;
-        for (size_t j = row; j + 2 < row * a->frame_count; j += 3) {
-            double sum = 0;
-            for (size_t k = j; k < j + 3; ++k)
-                sum += ((double)a->centers[k] - a->centers[k - row]) * ((double)a->centers[k] - a->centers[k - row]);
-            most = fmax(most, sum);
+        for (size_t j = a->sphere_count; j < (size_t)a->sphere_count * a->frame_count; ++j) {
+            const size_t before = j - a->sphere_count;
+            double sum = 0, swell = 0;
+            for (size_t k = 0; k < 3; ++k) {
+                const double way = (double)a->centers[3 * j + k] - a->centers[3 * before + k];
+                sum += way * way;
+            }
+            if (a->radii_per_frame) swell = fabs((double)a->radii[j] - a->radii[before]);
+            most = fmax(most, sqrt(sum) + swell);
         }
     }
-    most = ceil(sqrt(most) / (0.5 * RADIUS * w->diagonal));
-    return most < 1 ? 1 : most > STEPS_MOST ? STEPS_MOST : (uint32_t)most;
+    most = ceil(most / (0.5 * RADIUS * w->diagonal));
+    if (!(most <= STEPS_MOST))
+        return sph_context_fail(w->context, SPH_E_LIMIT, "the surface moves too far from one frame to the next");
+    *steps = most < 1 ? 1 : (uint32_t)most;
+    return SPH_OK;
 }
 
 static sph_sweep sweep(const double from[3], const double to[3], double radius)
@@ -292,11 +298,10 @@ static sph_status draw_all(world *w, strip *s, uint32_t column, uint32_t frame)
 static sph_status simulate(world *w, strip *s)
 {
     static const double MOMENTS[COLUMNS] = {0.4, 0.6, 0.8};
-    const uint32_t steps = count_steps(w);
-    uint32_t column = 0;
-    sph_status status = SPH_OK;
+    uint32_t column = 0, steps = 1;
+    sph_status status = count_steps(w, &steps);
     w->step = 1.0 / steps;
-    printf("%u particles, %u frames, %u steps per frame\n", PARTICLES, w->frames, steps);
+    if (status == SPH_OK) printf("%u particles, %u frames, %u steps per frame\n", PARTICLES, w->frames, steps);
     for (uint32_t f = 1; f < w->frames && status == SPH_OK; ++f) {
         for (uint32_t k = 1; k <= steps && status == SPH_OK; ++k) {
             w->now = f - 1 + (double)k / steps;

@@ -11,7 +11,7 @@
 
 enum { WIDTH = 190, HEIGHT = 145, SAMPLES = 3, SHADES = 15 /* per colour: few, for small files */ };
 
-static const double SOLID[3] = {0.45, 0.50, 0.58};
+static const double SOLID[3] = {0.50, 0.50, 0.50};
 static const double STATES[3][3] = {{0.05, 0.16, 0.60}, {0.90, 0.50, 0.03}, {0.75, 0.0, 0.0}};
 
 bool strip_create(strip *s, const char *path, uint32_t columns, uint32_t rows)

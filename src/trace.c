@@ -8,7 +8,7 @@
 
 enum { SAMPLES_MOST = 8, RAYS = SAMPLES_MOST * SAMPLES_MOST, SHADOWS = 3 };
 
-static const double GLASS[3] = {0.20, 0.27, 0.34};
+static const double GLASS[3] = {0.12, 0.18, 0.24};
 
 /* One ray through a pixel, and what comes of it. */
 typedef struct sample {
@@ -157,7 +157,7 @@ static void add_glass(const tile *t, const sph_hit *hit, sample *s, double colou
     memcpy(g.colour, GLASS, sizeof g.colour);
     g.key = g.sky = 1;
     facing = fabs(dot(g.normal, g.direction));
-    opacity = 0.22 + 0.65 * (1 - facing) * (1 - facing);
+    opacity = 0.28 + 0.65 * (1 - facing) * (1 - facing);
     shade(t->camera, &g, glass);
     for (int k = 0; k < 3; ++k)
         colour[k] += opacity * (glass[k] - colour[k]);

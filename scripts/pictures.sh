@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Makes the pictures of README.md and docs/ anew, from nothing but the built-in creature.
+# usage: scripts/pictures.sh [BUILD]       BUILD: a folder that ninja has built in; else build/ is made
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+build=${1:-build}
+if [ ! -f "$build/build.ninja" ]; then
+    scripts/setup.sh --demo
+    meson setup "$build"
+fi
+ninja -C "$build" src/sphmesh examples/particles >/dev/null
+program=$PWD/$build/src/sphmesh
+particles=$PWD/$build/examples/particles
+docs=$PWD/docs
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+"$program" demo --quiet --samples 1 -o .
+creature=(creature.obj --cache creature.pc2)
+render() { "$program" render --quiet "$@"; }
+
+# the mesh and three of its levels, the same levels within it, and levels by frames, with spheres and without
+render "${creature[@]}" creature.sphm --levels 46,20,10 --size 230x190 --frames 6 -o "$docs/levels.png"
+render creature.sphm --levels 46,20,10 --overlay creature.obj --cache creature.pc2 --size 300x240 --frames 6 \
+    -o "$docs/overlay.png"
+render creature.sphm creature-qem.sphm --levels 20 --frames ::12 --size 230x190 -o "$docs/walk.png"
+
+# a level, and its surface as a mesh
+"$program" level creature.sphm --spheres 20 -o level.json --quiet
+"$program" surface level.json --resolution 96 -o surface.obj --quiet
+render surface.obj level.json --size 300x240 -o "$docs/surface.png"
+
+# particles on a level, on a simplified mesh, and on the input
+for name in creature creature-qem; do
+    "$program" level $name.sphm --spheres 16 -o $name.json --quiet
+done
+"$particles" creature.json creature-qem.json "${creature[0]}" creature.pc2 "$docs/particles.png"
