@@ -21,7 +21,8 @@ typedef int32_t sph_status;
 enum {
     SPH_OK = 0,            /**< done */
     SPH_E_INVALID = 1,     /**< an argument or the input is wrong */
-    SPH_E_NOMEM = 2,       /**< the allocator returned NULL, or a size exceeds what can be addressed */
+    SPH_E_NOMEM = 2,       /**< the allocator returned NULL, the context's memory limit is reached, or a size exceeds what
+                                can be addressed */
     SPH_E_CANCELLED = 3,   /**< the progress callback asked to stop */
     SPH_E_VERSION = 4,     /**< made by a newer version than this library */
     SPH_E_IO = 5,          /**< the operating system or a frame source failed to read or write */
@@ -93,6 +94,9 @@ typedef struct sph_context_options {
     void *progress_user;       /**< passed to `progress` */
     uint32_t thread_count;     /**< threads of the built-in executor, the caller's included; 0 = one per processor; default 0 */
     uint32_t reserved0;        /**< must be 0 */
+    uint64_t memory_limit;     /**< bytes that all handles of the context and the calls with them may hold together: one more
+                                    and the call fails as if memory had run out; 0 (default): no limit. Against input that
+                                    asks for too much */
 } sph_context_options;
 
 /**
@@ -118,6 +122,16 @@ SPH_API sph_status sph_context_create(const sph_context_options *options, sph_co
  * @since 0.1
  */
 SPH_API void sph_context_destroy(sph_context *context);
+
+/**
+ * @brief Bytes of the allocator that the context, its handles and calls under way hold; 0 for NULL.
+ * @par Thread safety  Any number of threads.
+ * @since 0.1
+ */
+SPH_API uint64_t sph_context_memory_used(const sph_context *context);
+
+/** @brief The most that sph_context_memory_used() has been so far; 0 for NULL. @since 0.1 */
+SPH_API uint64_t sph_context_memory_peak(const sph_context *context);
 
 /**
  * @brief What was wrong in the calling thread's last failed call with this context or with a handle made with it.

@@ -17,6 +17,9 @@ struct sph_context {
     sph__pool *pool; /* NULL with a caller's executor and for one thread */
     uint32_t worker_count;
     atomic_uint_fast64_t references;
+    uint64_t memory_limit; /* UINT64_MAX: none */
+    atomic_uint_fast64_t memory_used, memory_peak;
+    atomic_bool limit_reached; /* since the last message about memory */
     sph__messages messages;
 };
 
@@ -140,7 +143,10 @@ sph_status sph_context_create(const sph_context_options *options, sph_context **
     context->log_user = o.log_user;
     context->progress = o.progress;
     context->progress_user = o.progress_user;
+    context->memory_limit = o.memory_limit == 0 ? UINT64_MAX : o.memory_limit;
     atomic_init(&context->references, 1);
+    atomic_init(&context->memory_used, sizeof *context);
+    atomic_init(&context->memory_peak, sizeof *context);
     if (!sph__messages_init(&context->messages)) {
         o.allocator.release(o.allocator.user, context, sizeof *context);
         return SPH_E_NOMEM;
@@ -194,6 +200,9 @@ sph_status sph__fail(const sph_context *context, sph_status status, const char *
 
 sph_status sph__fail_memory(const sph_context *context)
 {
+    if (atomic_exchange_explicit(&((sph_context *)context)->limit_reached, false, memory_order_relaxed))
+        return sph__fail(context, SPH_E_NOMEM, "out of memory: the limit of %llu bytes is reached",
+                         (unsigned long long)context->memory_limit);
     return sph__fail(context, SPH_E_NOMEM, "out of memory");
 }
 
@@ -249,16 +258,48 @@ void sph_context_parallel_for(sph_context *context, size_t count, size_t grain, 
     if (context != NULL && grain != 0 && body != NULL) sph__parallel_for(context, count, grain, body, argument);
 }
 
-/* Each block carries its size in front, one alignment unit long. */
+uint64_t sph_context_memory_used(const sph_context *context)
+{
+    return context == NULL ? 0 : atomic_load_explicit(&context->memory_used, memory_order_relaxed);
+}
+
+uint64_t sph_context_memory_peak(const sph_context *context)
+{
+    return context == NULL ? 0 : atomic_load_explicit(&context->memory_peak, memory_order_relaxed);
+}
+
+/* Counts memory before it is asked for, so that two threads cannot pass the limit together. */
+static bool charge(sph_context *context, uint64_t bytes)
+{
+    const uint64_t used = atomic_fetch_add_explicit(&context->memory_used, bytes, memory_order_relaxed) + bytes;
+    uint_fast64_t peak = atomic_load_explicit(&context->memory_peak, memory_order_relaxed);
+    if (used > context->memory_limit) {
+        atomic_fetch_sub_explicit(&context->memory_used, bytes, memory_order_relaxed);
+        atomic_store_explicit(&context->limit_reached, true, memory_order_relaxed);
+        return false;
+    }
+    while (used > peak && !atomic_compare_exchange_weak_explicit(&context->memory_peak, &peak, used,
+                                                                 memory_order_relaxed, memory_order_relaxed)) {
+    }
+    return true;
+}
+
+/* Each block carries its size in front, one alignment unit long. The counts are not part of the visible state that const
+ * speaks of. */
 void *sph__alloc(const sph_context *context, size_t count, size_t size)
 {
+    sph_context *counted = (sph_context *)context;
     size_t bytes;
     char *memory;
     if (!sph__multiply_size(count, size, &bytes) || bytes > SIZE_MAX - SPH__ALIGN || bytes > PTRDIFF_MAX - SPH__ALIGN)
         return NULL;
     bytes += SPH__ALIGN;
+    if (!charge(counted, bytes)) return NULL;
     memory = context->allocator.allocate(context->allocator.user, bytes, SPH__ALIGN);
-    if (memory == NULL) return NULL;
+    if (memory == NULL) {
+        atomic_fetch_sub_explicit(&counted->memory_used, bytes, memory_order_relaxed);
+        return NULL;
+    }
     memcpy(memory, &bytes, sizeof bytes);
     return memory + SPH__ALIGN;
 }
@@ -278,6 +319,7 @@ void sph__free(const sph_context *context, void *memory)
     start = (char *)memory - SPH__ALIGN;
     memcpy(&bytes, start, sizeof bytes);
     context->allocator.release(context->allocator.user, start, bytes);
+    atomic_fetch_sub_explicit(&((sph_context *)context)->memory_used, bytes, memory_order_relaxed);
 }
 
 void *sph__realloc(const sph_context *context, void *memory, size_t count, size_t size)
