@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* What every file of libsphmesh-io needs: failures, growing arrays, names. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
