@@ -20,8 +20,11 @@ static const char HELP[] = "Writes an animated mesh as OBJ with a point cache, w
                            "      --frames A:B:STEP       frames A, A+STEP, ... below B only (from 0)\n"
                            "      --up y|z, --scale S     as for 'sphmesh build'\n"
                            "      --clip NAME             one animation of a glTF; else all in a row\n"
-                           "      --fps N                 frames per second: a glTF is baked at it, and\n"
-                           "                              OUT.mdd has its times by it (30)\n"
+                           "      --object NAME, --space local|world\n"
+                           "                              of an Alembic, as for 'sphmesh build'\n"
+                           "      --fps N                 frames per second: a glTF is baked at it (30), an\n"
+                           "                              Alembic taken (its samples), and OUT.mdd has its\n"
+                           "                              times by it (30)\n"
                            "      --weld                  unite vertices that coincide in all frames (seams)\n"
                            "      --json                  figures as JSON on stdout\n"
                            "      --progress HOW          auto, bar, plain, json or none, on stderr (auto)\n"
@@ -30,6 +33,7 @@ static const char HELP[] = "Writes an animated mesh as OBJ with a point cache, w
                            "\n"
                            "examples:\n"
                            "  sphmesh convert 'scan/s*.ply' -o scan.obj\n"
+                           "  sphmesh convert walk.abc --object body -o body.obj\n"
                            "  sphmesh convert wolf_%d.stl --up z --scale 0.01 -o wolf.mdd\n";
 
 typedef struct convert_options {
@@ -121,7 +125,7 @@ static int convert(session *s, const convert_options *c, const arguments *paths)
     if (status == SPH_OK && interrupted()) status = SPH_E_CANCELLED;
     if (status == SPH_OK) {
         progress_start(&s->progress, "writing");
-        status = c->mdd ? sph_io_save_obj_mdd(s->context, animation, 0, c->input.fps, c->mesh, c->cache)
+        status = c->mdd ? sph_io_save_obj_mdd(s->context, animation, 0, c->input.fps > 0 ? c->input.fps : 30, c->mesh, c->cache)
                         : sph_io_save_obj_pc2(s->context, animation, 0, 1, c->mesh, c->cache);
         progress_end(&s->progress);
     }

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "contents.h"
 #include "program.h"
 #include "report.h"
 #include "session.h"
@@ -17,8 +18,8 @@ static const char HELP[] = "Tells what a file is, an animated mesh, a hierarchy 
                            "\n"
                            "      --cache C               the frames of the mesh: a PC2 or MDD point cache\n"
                            "      --frames A:B:STEP       frames A, A+STEP, ... below B only (from 0)\n"
-                           "      --clip NAME, --fps N, --up y|z, --scale S\n"
-                           "                              as for 'sphmesh build'\n"
+                           "      --clip NAME, --object NAME, --space local|world, --fps N, --up y|z,\n"
+                           "      --scale S               as for 'sphmesh build'\n"
                            "      --json                  figures as JSON on stdout\n"
                            "      --progress HOW          auto, bar, plain, json or none, on stderr (auto)\n"
                            "      --threads N             threads; 0: one per processor (0)\n"
@@ -27,43 +28,13 @@ static const char HELP[] = "Tells what a file is, an animated mesh, a hierarchy 
                            "examples:\n"
                            "  sphmesh info horse.obj --cache horse.pc2\n"
                            "  sphmesh info fox.glb\n"
+                           "  sphmesh info walk.abc\n"
                            "  sphmesh info horse.sphm\n"
                            "  sphmesh info horse-40.json --json\n";
 
 /* Counts of spheres that `info` tells the error for, where the hierarchy has them. */
 static const uint32_t COUNTS[] = {1000, 500, 200, 100, 60, 40, 20, 10, 5};
 enum { COUNT_COUNT = sizeof COUNTS / sizeof COUNTS[0] };
-
-/* Clips of a glTF, to a table or to JSON. */
-typedef struct clip_list {
-    json *j; /* NULL: a table */
-    unsigned count;
-} clip_list;
-
-static void print_clip(void *user, const sph_io_clip *clip)
-{
-    clip_list *l = user;
-    if (l->j == NULL) {
-        if (l->count == 0) puts("clips:         number   seconds  frames  name");
-        printf("%21u  %8.3f  %6s  %s\n", l->count, clip->duration, count_text(clip->frame_count), clip->name);
-    } else {
-        json_open(l->j, NULL, '{');
-        json_text(l->j, "name", clip->name);
-        json_number(l->j, "seconds", clip->duration);
-        json_integer(l->j, "frames", clip->frame_count);
-        json_close(l->j, '}');
-    }
-    ++l->count;
-}
-
-/* Files that hold no clips add nothing to the table. */
-static void list_clips(session *s, const input_options *input, const arguments *paths, json *j)
-{
-    clip_list l = {j, 0};
-    if (paths->count == 1 && input->cache == NULL)
-        (void)sph_io_list_clips(s->context, paths->items[0], input->fps, print_clip,
-                                &l); /* it has been opened before */
-}
 
 static int info_animation(session *s, const input_options *input, const arguments *paths)
 {
@@ -94,16 +65,14 @@ static int info_animation(session *s, const input_options *input, const argument
         else
             json_null(&j, "bounding_diagonal");
         report_check_json(&j, &r);
-        json_open(&j, "clips", '[');
-        list_clips(s, input, paths, &j);
-        json_close(&j, ']');
+        contents_print(s, input, paths, &j);
         json_close(&j, '}');
         json_finish(&j);
     } else if (!s->quiet) {
         printf("animation:  %s vertices, %s triangles, %s frames\n", count_text(sph_animation_vertex_count(a)),
                count_text(sph_animation_triangle_count(a)), count_text(sph_animation_frame_count(a)));
         if (bad == SPH_OK) printf("size:       bounding-box diagonal %.6g, mean over frames\n", diagonal);
-        list_clips(s, input, paths, NULL);
+        contents_print(s, input, paths, NULL);
         report_check(&r);
     }
     sph_animation_destroy(a);

@@ -9,7 +9,7 @@
 
 #include "program.h"
 
-const char *const up_choices[] = {"y", "z", NULL};
+const char *const up_choices[] = {"y", "z", NULL}, *const space_choices[] = {"local", "world", NULL};
 
 static void log_message(void *user, int32_t severity, const char *message)
 {
@@ -72,6 +72,8 @@ sph_status input_open(session *s, const input_options *input, const arguments *p
     o.scale = input->scale;
     o.fps = input->fps;
     o.clip = input->clip;
+    o.object = input->object;
+    o.space = input->space;
     if (frames != NULL && frames->given) {
         o.first_frame = frames->first;
         o.end_frame = frames->end;

@@ -25,22 +25,25 @@ typedef struct input_options {
     const char *cache;
     frame_range frames;
     int up;
-    double scale, fps;
-    const char *clip;
+    double scale, fps; /* fps 0: what the format has */
+    const char *clip, *object;
+    int space;
 } input_options;
 
-extern const char *const up_choices[];
+extern const char *const up_choices[], *const space_choices[];
 
 #define INPUT_OPTIONS(input)                                                                                           \
     {"cache", 0, OPTION_TEXT, &(input).cache, 0, 0, NULL}, {"frames", 0, OPTION_FRAMES, &(input).frames, 0, 0, NULL},  \
         {"up", 0, OPTION_CHOICE, &(input).up, 0, 0, up_choices},                                                       \
         {"fps", 0, OPTION_NUMBER, &(input).fps, 1e-3, 1e6, NULL}, {"clip", 0, OPTION_TEXT, &(input).clip, 0, 0, NULL}, \
+        {"object", 0, OPTION_TEXT, &(input).object, 0, 0, NULL},                                                       \
+        {"space", 0, OPTION_CHOICE, &(input).space, 0, 0, space_choices},                                              \
     {                                                                                                                  \
         "scale", 0, OPTION_NUMBER, &(input).scale, -1e30, 1e30, NULL                                                   \
     }
 #define INPUT_DEFAULTS                                                                                                 \
     {                                                                                                                  \
-        .frames = {.step = 1}, .scale = 1, .fps = 30                                                                   \
+        .frames = {.step = 1}, .scale = 1                                                                              \
     }
 
 /* What can be wrong with it before any file is opened: DONE or USAGE. */

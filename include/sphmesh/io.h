@@ -23,6 +23,13 @@ enum { SPH_UP_Y = 0, SPH_UP_Z = 1 };
  */
 enum { SPH_IO_WELD_AUTO = 0, SPH_IO_WELD_NONE = 1, SPH_IO_WELD_ALL = 2 };
 
+/**
+ * What an Alembic's transforms do. Local: transforms that are above all chosen meshes and never change are left out, as
+ * they only place the whole in a scene, in its units and axes: one mesh that nothing moves gives the numbers that the file
+ * has for it. World: all are applied.
+ */
+enum { SPH_IO_SPACE_LOCAL = 0, SPH_IO_SPACE_WORLD = 1 };
+
 /** Options of sph_io_open_animation(). Fill with sph_io_open_options_init() first. */
 typedef struct sph_io_open_options {
     uint32_t struct_size;   /**< bytes the caller knows of; written by the initialiser */
@@ -33,10 +40,13 @@ typedef struct sph_io_open_options {
     uint32_t frame_step;    /**< default 1; > 0 */
     int32_t up_axis;        /**< one of SPH_UP_*; default y: positions are left as they are. z: (x, y, z) becomes (x, z, -y) */
     double scale;           /**< positions are multiplied by it; finite, not 0; default 1 */
-    double fps;             /**< frames per second that a glTF is baked at; finite, > 0; default 30, also for 0 */
+    double fps;             /**< frames per second that a glTF is baked, or an Alembic is taken at; finite, >= 0;
+                                 default 0: 30 of a glTF, the samples of an Alembic as they are */
     const char *clip;       /**< the animation of a glTF to bake, by name, or by number from 0; NULL: all, one after another */
     int32_t weld;           /**< one of SPH_IO_WELD_*; default auto */
-    uint32_t reserved0;     /**< must be 0 */
+    int32_t space;          /**< one of SPH_IO_SPACE_*, of an Alembic; default local */
+    const char *object;     /**< the object of an Alembic to take, with all below it: its path ("/a/b") or its name; NULL: all
+                                 meshes that are not hidden */
 } sph_io_open_options;
 
 /** @brief Fills `options` with the defaults. Call as `sph_io_open_options_init(&o, sizeof o)`. @since 0.1 */
@@ -48,10 +58,13 @@ SPH_API void sph_io_open_options_init(sph_io_open_options *options, size_t size)
  * A glTF alone is baked: frame i of a clip is its pose i / fps seconds after the clip's start, up to the clip's end; without
  * clips it is its pose at rest. With a cache, or as one of a sequence, a glTF is the mesh at rest.
  *
+ * An Alembic (Ogawa) alone has a frame wherever its meshes, or the transforms above them, have a sample; at a rate of the
+ * caller's it is interpolated linearly between samples. Its faces, clockwise in the file, are turned.
+ *
  * A sequence is several paths (or one glob such as `s*.obj`, or one printf pattern such as `s%04d.obj`), taken in natural
  * order: s2 before s10. All meshes of a sequence must have the vertex count, triangles and edges of the first; they are
  * checked here, and again when a frame is read, one file at a time. Point caches are memory-mapped, and read as frames are
- * asked for: a cache must not be made shorter while the animation lives. Values that are not finite are left to
+ * asked for, as Alembic archives are: they must not be made shorter while the animation lives. Values that are not finite are left to
  * sph_animation_check() and the calls that use them. docs/formats.md says what is read of each format.
  * @param[in]  paths       path_count paths; more than one must not come with a cache.
  * @param[in]  options     may be NULL: all defaults.
@@ -87,6 +100,44 @@ typedef void sph_io_clip_fn(void *user, const sph_io_clip *clip);
  */
 SPH_API sph_status sph_io_list_clips(sph_context *context, const char *path, double fps, sph_io_clip_fn *visit,
                                      void *user);
+
+/** What an Alembic archive says of itself; texts are UTF-8, "" where there is none, and borrowed for the call. */
+typedef struct sph_io_archive {
+    uint32_t struct_size;    /**< bytes that the library fills */
+    uint32_t version;        /**< of the library that wrote it: 10508 is 1.5.8 */
+    const char *application; /**< the program that wrote it */
+    const char *library;     /**< the library, as it names itself */
+    const char *date;        /**< when it was written */
+    const char *description;
+} sph_io_archive;
+
+/** An object of an Alembic archive. */
+typedef struct sph_io_object {
+    uint32_t struct_size;  /**< bytes that the library fills */
+    uint32_t sample_count; /**< of its positions or its transform; 1 where they do not change */
+    const char *path;      /**< as "/a/b"; borrowed for the call, as is the next */
+    const char *kind;      /**< "PolyMesh", "SubD", "Xform", or what else the file calls it */
+    uint64_t vertex_count; /**< 0 for what is no mesh, as is the next */
+    uint64_t face_count;
+    double first_time, last_time; /**< seconds; 0 with one sample */
+    uint32_t chosen;              /**< 1: a mesh that is read */
+    uint32_t hidden;              /**< 1: hidden in all its samples, by itself or by what is above it */
+} sph_io_object;
+
+/** Is told of an archive. */
+typedef void sph_io_archive_fn(void *user, const sph_io_archive *archive);
+/** Is told of one object. */
+typedef void sph_io_object_fn(void *user, const sph_io_object *object);
+
+/**
+ * @brief Tells of an Alembic archive and each of its objects, parents before children. Files of other formats have none.
+ * @param[in] object   as in sph_io_open_options: which meshes are chosen.
+ * @param[in] archive  may be NULL, as may `visit`.
+ * @retval SPH_E_INVALID, SPH_E_IO, SPH_E_FORMAT, SPH_E_UNSUPPORTED, SPH_E_LIMIT, SPH_E_NOMEM  as sph_io_open_animation().
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_list_objects(sph_context *context, const char *path, const char *object,
+                                       sph_io_archive_fn *archive, sph_io_object_fn *visit, void *user);
 
 /**
  * @brief Sorts names in natural order, in place: digits compare as numbers, so that s2 comes before s10.

@@ -12,35 +12,37 @@ typedef struct format {
     const char *magic; /* what such a file begins with; NULL: nothing that would tell it from others */
     size_t magic_size;
     sph__io_read_fn *read;
+    const char *hint; /* what to do with one that is not read */
 } format;
 
 #define MAGIC(text) text, sizeof(text) - 1
 static const format FORMATS[] = {
-    {"OBJ", "obj", NULL, 0, sph__io_read_obj},
-    {"PLY", "ply", MAGIC("ply\n"), sph__io_read_ply},
-    {"PLY", "ply", MAGIC("ply\r"), sph__io_read_ply},
-    {"OFF", "off", MAGIC("OFF"), sph__io_read_off},
-    {"OFF", "coff", MAGIC("COFF"), sph__io_read_off},
-    {"OFF", "noff", MAGIC("NOFF"), sph__io_read_off},
-    {"OFF", "cnoff", MAGIC("CNOFF"), sph__io_read_off},
-    {"OFF", "stoff", MAGIC("STOFF"), sph__io_read_off},
-    {"OFF", "off", MAGIC("STNOFF"), sph__io_read_off},
-    {"OFF", "off", MAGIC("STCOFF"), sph__io_read_off},
-    {"OFF", "off", MAGIC("STCNOFF"), sph__io_read_off},
-    {"OFF", "off", MAGIC("4OFF"), sph__io_read_off},
-    {"OFF", "off", MAGIC("nOFF"), sph__io_read_off},
-    {"STL", "stl", NULL, 0, sph__io_read_stl},
-    {"binary glTF", "glb", MAGIC("glTF"), sph__io_read_gltf},
-    {"glTF", "gltf", NULL, 0, sph__io_read_gltf},
-    {"Alembic", "abc", MAGIC("Ogawa"), NULL},
-    {"Alembic (HDF5)", "abc", MAGIC("\x89HDF\r\n\x1A\n"), NULL},
-    {"FBX", "fbx", MAGIC("Kaydara FBX Binary"), NULL},
-    {"Collada", "dae", NULL, 0, NULL},
-    {"USD", "usd", MAGIC("PXR-USDC"), NULL},
-    {"USD", "usda", MAGIC("#usda"), NULL},
-    {"USD", "usdc", NULL, 0, NULL},
-    {"USD", "usdz", NULL, 0, NULL},
-    {"sphmesh", "sphm", MAGIC("\x89SPH\r\n\x1A\n"), NULL},
+    {"OBJ", "obj", NULL, 0, sph__io_read_obj, NULL},
+    {"PLY", "ply", MAGIC("ply\n"), sph__io_read_ply, NULL},
+    {"PLY", "ply", MAGIC("ply\r"), sph__io_read_ply, NULL},
+    {"OFF", "off", MAGIC("OFF"), sph__io_read_off, NULL},
+    {"OFF", "coff", MAGIC("COFF"), sph__io_read_off, NULL},
+    {"OFF", "noff", MAGIC("NOFF"), sph__io_read_off, NULL},
+    {"OFF", "cnoff", MAGIC("CNOFF"), sph__io_read_off, NULL},
+    {"OFF", "stoff", MAGIC("STOFF"), sph__io_read_off, NULL},
+    {"OFF", "off", MAGIC("STNOFF"), sph__io_read_off, NULL},
+    {"OFF", "off", MAGIC("STCOFF"), sph__io_read_off, NULL},
+    {"OFF", "off", MAGIC("STCNOFF"), sph__io_read_off, NULL},
+    {"OFF", "off", MAGIC("4OFF"), sph__io_read_off, NULL},
+    {"OFF", "off", MAGIC("nOFF"), sph__io_read_off, NULL},
+    {"STL", "stl", NULL, 0, sph__io_read_stl, NULL},
+    {"binary glTF", "glb", MAGIC("glTF"), sph__io_read_gltf, NULL},
+    {"glTF", "gltf", NULL, 0, sph__io_read_gltf, NULL},
+    {"Alembic", "abc", MAGIC("Ogawa"), sph__io_read_abc, NULL},
+    {"Alembic (HDF5)", "abc", MAGIC("\x89HDF\r\n\x1A\n"), NULL,
+     ", only from Alembic (Ogawa): abcconvert -toOgawa converts them"},
+    {"FBX", "fbx", MAGIC("Kaydara FBX Binary"), NULL, NULL},
+    {"Collada", "dae", NULL, 0, NULL, NULL},
+    {"USD", "usd", MAGIC("PXR-USDC"), NULL, NULL},
+    {"USD", "usda", MAGIC("#usda"), NULL, NULL},
+    {"USD", "usdc", NULL, 0, NULL, NULL},
+    {"USD", "usdz", NULL, 0, NULL, NULL},
+    {"sphmesh", "sphm", MAGIC("\x89SPH\r\n\x1A\n"), NULL, NULL},
 };
 enum { FORMAT_COUNT = sizeof FORMATS / sizeof *FORMATS };
 
@@ -91,8 +93,8 @@ sph_status sph__io_find_reader(sph_context *context, const char *path, const sph
     if (found == NULL)
         return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: not a format that is known", sph__io_shown(path));
     if (found->read == NULL)
-        return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: meshes are not read from %s files", sph__io_shown(path),
-                            found->name);
+        return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: meshes are not read from %s files%s", sph__io_shown(path),
+                            found->name, found->hint == NULL ? "" : found->hint);
     *read = found->read;
     return SPH_OK;
 }

@@ -73,6 +73,7 @@ void sph__io_mesh_release(sph__io_mesh *mesh);
 typedef sph_status sph__io_read_fn(const char *path, const sph__io_map *map, sph__io_mesh *mesh, size_t *watched);
 sph__io_read_fn sph__io_read_obj, sph__io_read_ply, sph__io_read_off, sph__io_read_stl;
 sph__io_read_fn sph__io_read_gltf; /* at rest */
+sph__io_read_fn sph__io_read_abc;  /* in its first frame */
 
 /* Which reader a mesh file needs, by content and name; *read is NULL with SPH_E_UNSUPPORTED. */
 sph_status sph__io_find_reader(sph_context *context, const char *path, const sph__io_map *map, sph__io_read_fn **read);
@@ -89,6 +90,19 @@ uint32_t sph__io_gltf_frame_count(const sph__io_gltf *gltf);
 void sph__io_gltf_read(sph__io_gltf *gltf, uint32_t frame, float *xyz);
 /* NULL is fine. */
 void sph__io_gltf_close(sph__io_gltf *gltf);
+
+/* --- an Alembic archive as frames (alembic_open.c) --- */
+typedef struct sph__io_abc sph__io_abc;
+/*
+ * `fps` 0: the samples of the file; `object` NULL: all that is visible; `world`: with what places the whole in its
+ * scene. `mesh` gets triangles and the number of vertices, no positions. The map must outlive it.
+ */
+sph_status sph__io_abc_open(const char *path, const sph__io_map *map, double fps, const char *object, bool world,
+                            sph__io_mesh *mesh, sph__io_abc **out);
+uint32_t sph__io_abc_frame_count(const sph__io_abc *a);
+sph_status sph__io_abc_read(sph__io_abc *a, uint32_t frame, float *xyz);
+/* NULL is fine. */
+void sph__io_abc_close(sph__io_abc *a);
 
 /* --- point caches (cache.c) --- */
 typedef struct sph__io_cache {

@@ -18,13 +18,15 @@ typedef struct source {
     sph__io_cache cache;
     bool has_cache;
     sph__io_gltf *baked;
+    sph__io_abc *archive;
+    sph__io_map map; /* of the archive */
 } source;
 
 enum { OPEN_OPTIONS_V1 = offsetof(sph_io_open_options, scale) + sizeof(double) };
 _Static_assert(sizeof(void *) != 8 || OPEN_OPTIONS_V1 == 40, "a field of 0.1 moved");
 
 static const sph_io_open_options OPEN_DEFAULTS = {
-    .struct_size = sizeof(sph_io_open_options), .frame_step = 1, .up_axis = SPH_UP_Y, .scale = 1, .fps = SPH__IO_FPS};
+    .struct_size = sizeof(sph_io_open_options), .frame_step = 1, .up_axis = SPH_UP_Y, .scale = 1};
 
 void sph_io_open_options_init(sph_io_open_options *options, size_t size)
 {
@@ -60,10 +62,10 @@ static sph_status read_options(sph_context *context, const sph_io_open_options *
         return sph__io_fail(context, SPH_E_INVALID, "scale is %g: it must be finite and not 0", o->scale);
     if (!isfinite(o->fps) || o->fps < 0)
         return sph__io_fail(context, SPH_E_INVALID, "%g frames per second: not finite, or negative", o->fps);
-    if (o->fps == 0) o->fps = SPH__IO_FPS;
-    if (o->weld < SPH_IO_WELD_AUTO || o->weld > SPH_IO_WELD_ALL || o->reserved0 != 0)
-        return sph__io_fail(context, SPH_E_INVALID, "sph_io_open_options: weld is %d, or a reserved field is set",
-                            (int)o->weld);
+    if (o->weld < SPH_IO_WELD_AUTO || o->weld > SPH_IO_WELD_ALL)
+        return sph__io_fail(context, SPH_E_INVALID, "sph_io_open_options: weld is %d", (int)o->weld);
+    if (o->space != SPH_IO_SPACE_LOCAL && o->space != SPH_IO_SPACE_WORLD)
+        return sph__io_fail(context, SPH_E_INVALID, "sph_io_open_options: space is %d", (int)o->space);
     return SPH_OK;
 }
 
@@ -154,6 +156,10 @@ static sph_status read_frame(void *user, uint32_t frame, float *xyz)
         sph__io_cache_read(&s->cache, s->options.first_frame + frame * s->options.frame_step, xyz);
     } else if (s->baked != NULL) {
         sph__io_gltf_read(s->baked, s->options.first_frame + frame * s->options.frame_step, xyz);
+    } else if (s->archive != NULL) {
+        const sph_status status =
+            sph__io_abc_read(s->archive, s->options.first_frame + frame * s->options.frame_step, xyz);
+        if (status != SPH_OK) return status;
     } else {
         const sph_status status = read_like_first(s, s->names.names[frame]);
         if (status != SPH_OK) return status;
@@ -172,6 +178,8 @@ static void destroy_source(void *user)
     sph__io_mesh_release(&s->scratch);
     sph__io_cache_close(&s->cache);
     sph__io_gltf_close(s->baked);
+    sph__io_abc_close(s->archive);
+    sph__io_map_close(&s->map);
     sph_context_release(s->context, s);
 }
 
@@ -221,31 +229,46 @@ static sph_status open_sequence(source *s)
     return status;
 }
 
-/* A glTF alone; s->baked stays NULL where the file is none. */
-static sph_status open_baked(source *s)
+/* A glTF or an Alembic alone; s->baked and s->archive stay NULL where the file is neither. */
+static sph_status open_animated(source *s)
 {
+    const sph_io_open_options *o = &s->options;
     const char *path = s->names.names[0];
-    sph__io_map map;
     sph__io_read_fn *read;
-    sph_status status = sph__io_map_open(s->context, path, &map);
+    sph_status status = sph__io_map_open(s->context, path, &s->map);
     if (status != SPH_OK) return status;
-    status = sph__io_find_reader(s->context, path, &map, &read);
+    status = sph__io_find_reader(s->context, path, &s->map, &read);
     if (status == SPH_OK && read == sph__io_read_gltf) {
-        status = sph__io_gltf_open(path, &map, s->options.fps, s->options.clip, &s->first, &s->baked);
+        status = sph__io_gltf_open(path, &s->map, o->fps == 0 ? SPH__IO_FPS : o->fps, o->clip, &s->first, &s->baked);
         if (status == SPH_OK) status = select_frames(s, sph__io_gltf_frame_count(s->baked), path);
+    } else if (status == SPH_OK && read == sph__io_read_abc) {
+        status =
+            sph__io_abc_open(path, &s->map, o->fps, o->object, o->space == SPH_IO_SPACE_WORLD, &s->first, &s->archive);
+        if (status == SPH_OK) status = select_frames(s, sph__io_abc_frame_count(s->archive), path);
     }
-    sph__io_map_close(&map);
+    if (s->archive == NULL) sph__io_map_close(&s->map);
     return status;
+}
+
+/* Choices within a file, of files that have none. */
+static sph_status check_choices(const source *s)
+{
+    const sph_io_open_options *o = &s->options;
+    if (o->clip != NULL && s->baked == NULL)
+        return sph__io_fail(s->context, SPH_E_INVALID, "clip '%.80s' of what is not one glTF, read without a cache",
+                            o->clip);
+    if (o->object != NULL && s->archive == NULL)
+        return sph__io_fail(s->context, SPH_E_INVALID,
+                            "object '%.80s' of what is not one Alembic, read without a cache", o->object);
+    return SPH_OK;
 }
 
 static sph_status open_source(source *s, const char *const *paths, size_t path_count)
 {
     sph_status status = sph__io_expand(&s->names, paths, path_count);
-    if (status == SPH_OK && s->names.count == 1 && s->options.cache_path == NULL) status = open_baked(s);
-    if (status != SPH_OK || s->baked != NULL) return status;
-    if (s->options.clip != NULL)
-        return sph__io_fail(s->context, SPH_E_INVALID, "clip '%.80s' of what is not one glTF, read without a cache",
-                            s->options.clip);
+    if (status == SPH_OK && s->names.count == 1 && s->options.cache_path == NULL) status = open_animated(s);
+    if (status == SPH_OK) status = check_choices(s);
+    if (status != SPH_OK || s->baked != NULL || s->archive != NULL) return status;
     if (s->options.cache_path == NULL) return open_sequence(s);
     if (s->names.count != 1)
         return sph__io_fail(s->context, SPH_E_INVALID, "a point cache goes with one mesh, not with %zu",
@@ -256,7 +279,7 @@ static sph_status open_source(source *s, const char *const *paths, size_t path_c
 /* One mesh alone is held by the animation itself. */
 static bool is_single(const source *s)
 {
-    return !s->has_cache && s->baked == NULL && s->frame_count == 1;
+    return !s->has_cache && s->baked == NULL && s->archive == NULL && s->frame_count == 1;
 }
 
 /* Takes the source over, but for a single mesh. */
@@ -293,7 +316,7 @@ static sph_status make_animation(source *s, sph_animation **out)
     }
     if (single)
         destroy_source(s); /* else the animation has done it, or will */
-    else if (status == SPH_OK && (s->has_cache || s->baked != NULL))
+    else if (status == SPH_OK && (s->has_cache || s->baked != NULL || s->archive != NULL))
         sph__io_mesh_release(&s->first);
     return status;
 }
@@ -333,7 +356,7 @@ sph_status sph_io_open_animation(sph_context *context, const char *const *paths,
         destroy_source(s);
         return status;
     }
-    s->options.cache_path = s->options.clip = NULL; /* the caller's */
+    s->options.cache_path = s->options.clip = s->options.object = NULL; /* the caller's */
     welds = o.weld == SPH_IO_WELD_ALL || (o.weld == SPH_IO_WELD_AUTO && s->baked != NULL);
     status = make_animation(s, out);
     return status == SPH_OK && welds ? weld(out) : status;

@@ -74,6 +74,48 @@ START_TEST(the_first_frame_of_a_cache_is_near_its_mesh)
 }
 END_TEST
 
+static unsigned char *archive_frames(const char *path, const sph_io_open_options *options, uint32_t vertices,
+                                     uint32_t frames)
+{
+    sph_context *context = test_context();
+    sph_status status;
+    sph_animation *animation = open_one(context, path, options, &status);
+    float *xyz = test_malloc(3 * (size_t)vertices * frames, sizeof *xyz);
+    ck_assert_msg(status == SPH_OK, "%s", sph_context_last_message(context));
+    ck_assert_uint_eq(sph_animation_vertex_count(animation), vertices);
+    ck_assert_uint_eq(sph_animation_frame_count(animation), frames);
+    for (uint32_t f = 0; f < frames; ++f)
+        ck_assert_int_eq(sph_animation_read_frame(animation, f, xyz + 3 * (size_t)vertices * f), SPH_OK);
+    sph_animation_destroy(animation);
+    sph_context_destroy(context);
+    return (unsigned char *)xyz;
+}
+
+/* Another parser read the cache out of the archive, and its mesh is that of the archive as OBJ. */
+START_TEST(an_archive_has_the_frames_and_triangles_that_another_parser_read)
+{
+    sph_context *context = test_context();
+    sph_io_open_options options;
+    sph_status status;
+    sph_animation *a, *b;
+    unsigned char *ours, *theirs;
+    sph_io_open_options_init(&options, sizeof options);
+    ours = archive_frames(data_path(0, "bone-anim.abc"), &options, 754, 400);
+    options.cache_path = data_path(1, "bone-anim.pc2");
+    theirs = archive_frames(data_path(0, "bone-anim.obj"), &options, 754, 400);
+    ck_assert_mem_eq(ours, theirs, (size_t)400 * 754 * 12);
+    a = open_one(context, data_path(0, "bone-anim.abc"), NULL, &status);
+    b = open_one(context, data_path(0, "bone-anim.obj"), NULL, &status);
+    ck_assert_uint_eq(sph_animation_triangle_count(a), sph_animation_triangle_count(b));
+    ck_assert_mem_eq(sph_animation_triangles(a), sph_animation_triangles(b), (size_t)1504 * 12);
+    free(ours);
+    free(theirs);
+    sph_animation_destroy(a);
+    sph_animation_destroy(b);
+    sph_context_destroy(context);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tc = tcase_create("all");
@@ -83,5 +125,6 @@ int main(void)
     }
     tcase_add_loop_test(tc, a_real_sequence_opens_with_the_counts_of_its_description, 0, DATA_COUNT);
     tcase_add_loop_test(tc, the_first_frame_of_a_cache_is_near_its_mesh, 0, DATA_COUNT);
+    tcase_add_test(tc, an_archive_has_the_frames_and_triangles_that_another_parser_read);
     return run_suite(suite_create("io real data"), tc);
 }

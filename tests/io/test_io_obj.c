@@ -119,7 +119,7 @@ END_TEST
 
 START_TEST(formats_that_are_not_read_are_refused_by_name)
 {
-    static const char *const CASES[][3] = {{"a.abc", "Ogawa...", "Alembic"},
+    static const char *const CASES[][3] = {{"a.abc", "\x89HDF\r\n\x1A\n", "Alembic"},
                                            {"a.fbx", "Kaydara FBX Binary  ", "FBX"},
                                            {"a.usda", "#usda 1.0\n", "USD"},
                                            {"a.xyz", "1 2 3\n", "not a format that is known"},
