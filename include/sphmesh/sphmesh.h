@@ -11,6 +11,7 @@
 #include "measure.h"
 #include "quadric.h"
 #include "query.h"
+#include "skeleton.h"
 #include "skin.h"
 #include "surface.h"
 #include "version.h"
