@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "numbered.h"
 #include "program.h"
 #include "report.h"
 #include "session.h"
@@ -55,13 +56,6 @@ static int parse(measure_options *m, int argc, char **argv, arguments *paths)
     if (!name_ends(m->level, ".json") && !name_ends(m->level, ".sphm"))
         return usage_error("measure", "--level: '%s' does not end in .json or .sphm", m->level);
     return input_check("measure", &m->input, paths);
-}
-
-/* Frames of 0 .. frame_count - 1 that a range has. */
-static uint32_t range_count(const frame_range *r, uint32_t frame_count)
-{
-    const uint32_t end = r->end == 0 || r->end > frame_count ? frame_count : r->end;
-    return r->first >= end ? 0 : (end - r->first - 1) / r->step + 1;
 }
 
 /*
