@@ -13,7 +13,7 @@ test_packages=(
     libjansson-dev libopenmesh-dev # the oracles of lib/io
     libcgal-dev           # the oracle of distances to meshes
     abigail-tools cmake   # the binary interface, and a user of CMake
-    python3               # the tests of the program, and scripts/*.py
+    python3 python3-yaml  # the tests of the program, and scripts/*.py
 )
 
 case "${1-}" in

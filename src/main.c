@@ -11,6 +11,7 @@
 
 static const subcommand *const COMMANDS[] = {&build_command,   &info_command,    &level_command, &measure_command,
                                              &convert_command, &surface_command, &cast_command,
+                                             &export_command,
 #ifdef HAVE_PNG
                                              &render_command,
 #endif
@@ -121,7 +122,7 @@ static int run(int argc, char **argv)
     const char *word = argc > 1 ? argv[1] : "";
     if (argc < 2)
         return usage_error(NULL,
-                           "no command; there are build, info, level, measure, convert, surface, cast, demo and help");
+                           "no command; there are build, info, level, measure, convert, surface, cast, export, demo and help");
     if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
         const unsigned v = sph_version();
         printf("sphmesh %u.%u.%u\n", v / 1000000, v / 1000 % 1000, v % 1000);

@@ -211,6 +211,66 @@ SPH_API sph_status sph_io_save_surface(sph_context *context, const sph_surface *
 /** @brief Loads a level from `.sphm` or `.json`. @since 0.1 */
 SPH_API sph_status sph_io_load_level(sph_context *context, const char *path, sph_level **out);
 
+/**
+ * What sph_io_export_level() writes; docs/formats.md has them field by field. `PRIMITIVES` (.json) and `GLB` hold many
+ * frames; the others are one pose. `SRDF`, `YAML` (.yaml, .yml) and `URDF` know spheres only: there capsules and thick
+ * triangles are made of many.
+ */
+enum {
+    SPH_IO_EXPORT_BY_NAME = 0,    /**< as the name's ending says */
+    SPH_IO_EXPORT_PRIMITIVES = 1, /**< JSON: spheres, tapered capsules and thick triangles, frame by frame */
+    SPH_IO_EXPORT_MA = 2,         /**< text: a medial mesh, as Q-MAT and its relatives read it */
+    SPH_IO_EXPORT_SRDF = 3,       /**< `link_sphere_approximation` of MoveIt */
+    SPH_IO_EXPORT_YAML = 4,       /**< `collision_spheres` of cuRobo */
+    SPH_IO_EXPORT_URDF = 5,       /**< a link whose collision shapes are spheres */
+    SPH_IO_EXPORT_GLB = 6         /**< as sph_io_save_level(), with all primitives as `extras` of nodes */
+};
+
+/** Options of sph_io_export_level(). Fill with sph_io_export_options_init() first. */
+typedef struct sph_io_export_options {
+    uint32_t struct_size; /**< bytes the caller knows of; written by the initialiser */
+    uint32_t flags;       /**< must be 0 */
+    int32_t format;       /**< one of SPH_IO_EXPORT_*; default by name */
+    uint32_t first_frame; /**< default 0; the pose of the formats that hold one */
+    uint32_t frame_step;  /**< default 1; > 0 */
+    uint32_t frame_limit; /**< at most so many frames; 0 (default): all, or the one that the format holds */
+    uint32_t cover_solid; /**< of lists of spheres. 0 (default): spheres that lie in the solid, and reach to within `gap` of
+                               all its points; 1: spheres that contain the solid, and reach at most `gap` beyond theirs */
+    uint32_t reserved0;   /**< must be 0 */
+    double gap;           /**< of lists of spheres; model units, finite, >= 0; 0 (default): 1/50 of the diagonal of the box
+                               around the solid */
+    const char *name;     /**< of the robot and of its link; printable ASCII without " ' < > & \\; NULL (default): sphmesh */
+    const sph_coverage *coverage; /**< what the file shall say of the level's coverage; NULL (default): nothing */
+} sph_io_export_options;
+
+/** @brief Fills `options` with the defaults. Call as `sph_io_export_options_init(&o, sizeof o)`. @since 0.1 */
+SPH_API void sph_io_export_options_init(sph_io_export_options *options, size_t size);
+
+/** What was exported. */
+typedef struct sph_io_export_report {
+    uint32_t struct_size;    /**< sizeof(sph_io_export_report), set by the caller */
+    uint32_t frame_count;    /**< frames written */
+    uint64_t sphere_count;   /**< spheres of a list of spheres; of other formats those without edge and triangle */
+    uint64_t capsule_count;  /**< 0 for lists of spheres */
+    uint64_t triangle_count; /**< 0 for lists of spheres */
+    double gap;              /**< of lists of spheres: a bound of the distance of any point of the solid to them, or where they
+                                  cover the solid, of how far they reach beyond it; 0 for other formats */
+} sph_io_export_report;
+
+/**
+ * @brief Writes a level for other tools.
+ * @param[in]     options  may be NULL: all defaults.
+ * @param[in,out] report   `struct_size` set by the caller; may be NULL; untouched on failure.
+ * @retval SPH_E_INVALID      NULL or bad options; frames that the level has not.
+ * @retval SPH_E_UNSUPPORTED  an ending that says no format.
+ * @retval SPH_E_LIMIT        a million spheres would not do for the gap, or more than a `.glb` can have.
+ * @retval SPH_E_IO           the file cannot be written: the message has the path and the reason.
+ * @retval SPH_E_NOMEM        out of memory.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_export_level(sph_context *context, const sph_level *level, const char *path,
+                                       const sph_io_export_options *options, sph_io_export_report *report);
+
 SPH_END_DECLS
 
 #endif

@@ -8,30 +8,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "io/io.h"
+#include "io/level_glb.h"
 
 enum { GRID = 6, SIDE = (GRID + 1) * (GRID + 1), BALL_VERTICES = 6 * SIDE, BALL_CORNERS = 6 * GRID * GRID * 6 };
 enum { JOINT_LIMIT = 65535, FLOAT_TYPE = 5126, SHORT_TYPE = 5123, INTEGER_TYPE = 5125, VERTEX_TARGET = 34962 };
 enum { INDEX_TARGET = 34963, FRAMES_PER_SECOND = 30 };
 
-/* The bytes, in their order. */
-enum { BALL, BALL_INDICES, ORIGINS, JOINTS, WEIGHTS, TRIANGLES, EDGES, TIMES, CENTERS, SCALES, VIEW_COUNT };
-
-/* Text that grows, and the bytes that it speaks of. */
-typedef struct writer {
-    sph_context *context;
-    const sph_level_arrays *a;
-    char *text;
-    size_t length, capacity;
-    bool failed;
-    uint64_t binary;           /* bytes so far */
-    unsigned view[VIEW_COUNT]; /* number of each that there is */
-    unsigned views, accessors;
-} writer;
-
-static void add(writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-static void add(writer *w, const char *format, ...)
+void sph__io_glb_add(sph__io_glb *w, const char *format, ...)
 {
     char text[256];
     void *memory = w->text;
@@ -50,29 +33,29 @@ static void add(writer *w, const char *format, ...)
     w->length += length;
 }
 
-static void add_float(writer *w, float value)
+void sph__io_glb_add_float(sph__io_glb *w, float value)
 {
     char text[SPH__IO_FLOAT_TEXT];
     (void)sph__io_format_float(text, value);
-    add(w, "%s", text);
+    sph__io_glb_add(w, "%s", text);
 }
 
 /* What has no bytes has no view. */
-static void add_view(writer *w, int which, uint64_t size, int target)
+static void add_view(sph__io_glb *w, int which, uint64_t size, int target)
 {
     if (size == 0) return;
-    add(w, "%s{\"buffer\":0,\"byteOffset\":%llu,\"byteLength\":%llu", w->views == 0 ? "" : ",",
+    sph__io_glb_add(w, "%s{\"buffer\":0,\"byteOffset\":%llu,\"byteLength\":%llu", w->views == 0 ? "" : ",",
         (unsigned long long)w->binary, (unsigned long long)size);
-    if (target != 0) add(w, ",\"target\":%d", target);
-    add(w, "}");
+    if (target != 0) sph__io_glb_add(w, ",\"target\":%d", target);
+    sph__io_glb_add(w, "}");
     w->binary += size;
     w->view[which] = w->views++;
 }
 
-static void add_accessor(writer *w, int which, uint64_t offset, int type, const char *width, size_t count,
+static void add_accessor(sph__io_glb *w, int which, uint64_t offset, int type, const char *width, size_t count,
                          const char *more)
 {
-    add(w, "%s{\"bufferView\":%u,\"byteOffset\":%llu,\"componentType\":%d,\"type\":\"%s\",\"count\":%zu%s}",
+    sph__io_glb_add(w, "%s{\"bufferView\":%u,\"byteOffset\":%llu,\"componentType\":%d,\"type\":\"%s\",\"count\":%zu%s}",
         w->accessors == 0 ? "" : ",", w->view[which], (unsigned long long)offset, type, width, count, more);
     ++w->accessors;
 }
@@ -82,11 +65,11 @@ static bool has_simplices(const sph_level_arrays *a)
     return a->triangle_count + a->edge_count > 0;
 }
 
-static void describe_buffers(writer *w)
+static void describe_buffers(sph__io_glb *w)
 {
     const sph_level_arrays *a = w->a;
     const uint64_t joints = has_simplices(a) ? a->sphere_count : 0, frames = a->frame_count > 1 ? a->frame_count : 0;
-    add(w, "\"bufferViews\":[");
+    sph__io_glb_add(w, "\"bufferViews\":[");
     add_view(w, BALL, BALL_VERTICES * 12, VERTEX_TARGET);
     add_view(w, BALL_INDICES, BALL_CORNERS * 2, INDEX_TARGET);
     add_view(w, ORIGINS, joints * 12, VERTEX_TARGET);
@@ -97,16 +80,16 @@ static void describe_buffers(writer *w)
     add_view(w, TIMES, frames * 4, 0);
     add_view(w, CENTERS, frames * a->sphere_count * 12, 0);
     add_view(w, SCALES, a->radii_per_frame ? frames * a->sphere_count * 12 : 0, 0);
-    add(w, "],\"buffers\":[{\"byteLength\":%llu}]", (unsigned long long)w->binary);
+    sph__io_glb_add(w, "],\"buffers\":[{\"byteLength\":%llu}]", (unsigned long long)w->binary);
 }
 
-static void describe_accessors(writer *w)
+static void describe_accessors(sph__io_glb *w)
 {
     const sph_level_arrays *a = w->a;
     char last[SPH__IO_FLOAT_TEXT], range[96];
     (void)sph__io_format_float(last, (float)(a->frame_count - 1) / FRAMES_PER_SECOND);
     snprintf(range, sizeof range, ",\"min\":[0],\"max\":[%s]", last);
-    add(w, ",\"accessors\":[");
+    sph__io_glb_add(w, ",\"accessors\":[");
     add_accessor(w, BALL, 0, FLOAT_TYPE, "VEC3", BALL_VERTICES, ",\"min\":[-1,-1,-1],\"max\":[1,1,1]");
     add_accessor(w, BALL_INDICES, 0, SHORT_TYPE, "SCALAR", BALL_CORNERS, "");
     if (has_simplices(a)) {
@@ -123,70 +106,75 @@ static void describe_accessors(writer *w)
         for (uint32_t i = 0; i < a->sphere_count && a->radii_per_frame; ++i)
             add_accessor(w, SCALES, (uint64_t)i * a->frame_count * 12, FLOAT_TYPE, "VEC3", a->frame_count, "");
     }
-    add(w, "]");
+    sph__io_glb_add(w, "]");
 }
 
 /* Node 0 holds the spheres, 1 to K, as the joints of a skin must have a common root; K + 1 shows the simplices. */
-static void describe_nodes(writer *w)
+static void describe_nodes(sph__io_glb *w)
 {
     const sph_level_arrays *a = w->a;
-    add(w, ",\"scene\":0,\"scenes\":[{\"nodes\":[0");
-    if (has_simplices(a)) add(w, ",%u", (unsigned)a->sphere_count + 1);
-    add(w, "]}],\"nodes\":[{\"name\":\"spheres\",\"children\":[");
+    const uint32_t first = a->sphere_count + 1 + has_simplices(a); /* node that is free */
+    sph__io_glb_add(w, ",\"scene\":0,\"scenes\":[{\"nodes\":[0");
+    if (has_simplices(a)) sph__io_glb_add(w, ",%u", (unsigned)a->sphere_count + 1);
+    if (w->of != NULL) sph__io_glb_scene_extras(w, first);
+    sph__io_glb_add(w, "%s}],\"nodes\":[{\"name\":\"spheres\",\"children\":[", w->of == NULL ? "]" : "");
     for (uint32_t i = 0; i < a->sphere_count; ++i)
-        add(w, "%s%u", i == 0 ? "" : ",", (unsigned)i + 1);
-    add(w, "]}");
+        sph__io_glb_add(w, "%s%u", i == 0 ? "" : ",", (unsigned)i + 1);
+    sph__io_glb_add(w, "]}");
     for (uint32_t i = 0; i < a->sphere_count; ++i) {
-        add(w, ",{\"mesh\":0,\"translation\":[");
+        sph__io_glb_add(w, ",{\"mesh\":0,\"translation\":[");
         for (int k = 0; k < 3; ++k) {
-            if (k > 0) add(w, ",");
-            add_float(w, a->centers[3 * (size_t)i + k]);
+            if (k > 0) sph__io_glb_add(w, ",");
+            sph__io_glb_add_float(w, a->centers[3 * (size_t)i + k]);
         }
-        add(w, "],\"scale\":[");
+        sph__io_glb_add(w, "],\"scale\":[");
         for (int k = 0; k < 3; ++k) {
-            if (k > 0) add(w, ",");
-            add_float(w, a->radii[i]);
+            if (k > 0) sph__io_glb_add(w, ",");
+            sph__io_glb_add_float(w, a->radii[i]);
         }
-        add(w, "]}");
+        sph__io_glb_add(w, "]");
+        if (w->of != NULL) sph__io_glb_sphere_extras(w, i);
+        sph__io_glb_add(w, "}");
     }
-    if (has_simplices(a)) add(w, ",{\"name\":\"simplices\",\"mesh\":1,\"skin\":0}");
-    add(w, "]");
+    if (has_simplices(a)) sph__io_glb_add(w, ",{\"name\":\"simplices\",\"mesh\":1,\"skin\":0}");
+    if (w->of != NULL) sph__io_glb_primitives(w, first);
+    sph__io_glb_add(w, "]");
 }
 
-static void describe_meshes(writer *w)
+static void describe_meshes(sph__io_glb *w)
 {
     static const char ATTRIBUTES[] = "{\"attributes\":{\"POSITION\":2,\"JOINTS_0\":3,\"WEIGHTS_0\":4},\"material\":1,";
     const sph_level_arrays *a = w->a;
-    add(w, ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0.55,0.2,1],\"metallicFactor\":0}},"
+    sph__io_glb_add(w, ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0.55,0.2,1],\"metallicFactor\":0}},"
            "{\"doubleSided\":true,\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.25,0.5,0.8,1],");
-    add(w, "\"metallicFactor\":0}}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0},"
+    sph__io_glb_add(w, "\"metallicFactor\":0}}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0},"
            "\"indices\":1,\"material\":0}]}");
     if (has_simplices(a)) {
-        add(w, ",{\"primitives\":[");
-        if (a->triangle_count > 0) add(w, "%s\"indices\":5}%s", ATTRIBUTES, a->edge_count > 0 ? "," : "");
-        if (a->edge_count > 0) add(w, "%s\"indices\":%d,\"mode\":1}", ATTRIBUTES, a->triangle_count > 0 ? 6 : 5);
-        add(w, "]}],\"skins\":[{\"skeleton\":0,\"joints\":[");
+        sph__io_glb_add(w, ",{\"primitives\":[");
+        if (a->triangle_count > 0) sph__io_glb_add(w, "%s\"indices\":5}%s", ATTRIBUTES, a->edge_count > 0 ? "," : "");
+        if (a->edge_count > 0) sph__io_glb_add(w, "%s\"indices\":%d,\"mode\":1}", ATTRIBUTES, a->triangle_count > 0 ? 6 : 5);
+        sph__io_glb_add(w, "]}],\"skins\":[{\"skeleton\":0,\"joints\":[");
         for (uint32_t i = 0; i < a->sphere_count; ++i)
-            add(w, "%s%u", i == 0 ? "" : ",", (unsigned)i + 1);
-        add(w, "]}");
+            sph__io_glb_add(w, "%s%u", i == 0 ? "" : ",", (unsigned)i + 1);
+        sph__io_glb_add(w, "]}");
     }
-    add(w, "]");
+    sph__io_glb_add(w, "]");
 }
 
-static void describe_animation(writer *w)
+static void describe_animation(sph__io_glb *w)
 {
     const sph_level_arrays *a = w->a;
     const unsigned channels = a->sphere_count * (a->radii_per_frame ? 2 : 1);
     const unsigned times = w->accessors - channels - 1;
     if (a->frame_count < 2) return;
-    add(w, ",\"animations\":[{\"channels\":[");
+    sph__io_glb_add(w, ",\"animations\":[{\"channels\":[");
     for (unsigned i = 0; i < channels; ++i)
-        add(w, "%s{\"sampler\":%u,\"target\":{\"node\":%u,\"path\":\"%s\"}}", i == 0 ? "" : ",", i,
+        sph__io_glb_add(w, "%s{\"sampler\":%u,\"target\":{\"node\":%u,\"path\":\"%s\"}}", i == 0 ? "" : ",", i,
             i % a->sphere_count + 1, i < a->sphere_count ? "translation" : "scale");
-    add(w, "],\"samplers\":[");
+    sph__io_glb_add(w, "],\"samplers\":[");
     for (unsigned i = 0; i < channels; ++i)
-        add(w, "%s{\"input\":%u,\"output\":%u}", i == 0 ? "" : ",", times, times + 1 + i);
-    add(w, "]}]");
+        sph__io_glb_add(w, "%s{\"input\":%u,\"output\":%u}", i == 0 ? "" : ",", times, times + 1 + i);
+    sph__io_glb_add(w, "]}]");
 }
 
 /* --- bytes --- */
@@ -258,7 +246,7 @@ static void put_motion(sph__io_output *o, const sph_level_arrays *a)
                 put_float(o, a->radii[(size_t)f * a->sphere_count + i]);
 }
 
-static void put_file(sph__io_output *o, const writer *w)
+static void put_file(sph__io_output *o, const sph__io_glb *w)
 {
     sph__io_output_bytes(o, "glTF", 4);
     put(o, 2, 4);
@@ -274,34 +262,36 @@ static void put_file(sph__io_output *o, const writer *w)
 }
 
 /* What keeps the level from being a GLB. */
-static sph_status check_size(const writer *w, const char *path)
+static sph_status check_size(const sph__io_glb *w, const char *path)
 {
     if (w->failed) return sph__io_fail_memory(w->context, path);
     if (w->binary + w->length <= UINT32_MAX - 28) return SPH_OK;
     return sph__io_fail(w->context, SPH_E_LIMIT, "%s: more than 4 GB, which a GLB cannot be", sph__io_shown(path));
 }
 
-static void describe(writer *w)
+static void describe(sph__io_glb *w)
 {
-    add(w, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"libsphmesh\"},");
+    sph__io_glb_add(w, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"libsphmesh\"},");
     describe_buffers(w);
     describe_accessors(w);
     describe_nodes(w);
     describe_meshes(w);
     describe_animation(w);
-    add(w, "}");
+    sph__io_glb_add(w, "}");
     while (w->length % 4 != 0 && !w->failed)
-        add(w, " ");
+        sph__io_glb_add(w, " ");
 }
 
-void sph__io_level_glb_write(sph__io_output *output, const sph_level_arrays *arrays)
+static void write_glb(sph__io_output *output, const sph_level_arrays *arrays, const sph__io_export *of)
 {
-    writer w = {.context = output->context, .a = arrays};
-    sph_status status;
-    if (arrays->sphere_count > JOINT_LIMIT) {
+    sph__io_glb w = {.context = output->context, .a = arrays, .of = of};
+    sph_status status = SPH_OK;
+    if (arrays->sphere_count > JOINT_LIMIT)
         status = sph__io_fail(w.context, SPH_E_LIMIT, "%s: %u spheres, a GLB takes %d", sph__io_shown(output->target),
                               (unsigned)arrays->sphere_count, JOINT_LIMIT);
-    } else {
+    else if (of != NULL && (w.used = sph__io_export_used(of)) == NULL)
+        status = sph__io_fail_memory(w.context, output->target);
+    if (status == SPH_OK) {
         describe(&w);
         status = check_size(&w, output->target);
     }
@@ -310,4 +300,15 @@ void sph__io_level_glb_write(sph__io_output *output, const sph_level_arrays *arr
     else if (output->status == SPH_OK)
         output->status = status;
     sph_context_release(w.context, w.text);
+    sph_context_release(w.context, w.used);
+}
+
+void sph__io_level_glb_write(sph__io_output *output, const sph_level_arrays *arrays)
+{
+    write_glb(output, arrays, NULL);
+}
+
+void sph__io_export_glb(sph__io_output *output, sph__io_export *e)
+{
+    write_glb(output, &e->a, e);
 }
