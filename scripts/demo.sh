@@ -13,6 +13,9 @@ else
 fi
 ninja -C build-demo src/sphmesh
 build-demo/src/sphmesh demo -o demo-output "$@"
+build-demo/src/sphmesh render demo-output/creature.obj --cache demo-output/creature.pc2 \
+    demo-output/creature.sphm demo-output/creature-qem.sphm --levels 60,20 --columns 5 --size 300x240 --quiet \
+    -o demo-output/levels.png
 
 echo
-echo "All files are in $PWD/demo-output; the program is build-demo/src/sphmesh."
+echo "A picture of it is demo-output/levels.png. All files are in $PWD/demo-output; the program is build-demo/src/sphmesh."
