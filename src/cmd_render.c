@@ -238,7 +238,7 @@ static sph_status draw_tile(session *s, const render_options *o, scene *sc, cons
     if (status == SPH_OK && is_glazed) status = figure_pose(&sc->overlay, frame);
     if (status != SPH_OK) return status;
     aim(o, sc, frame, &c);
-    return picture_draw(p, s->context, &t);
+    return picture_draw(p, s->context, &t, (double)i / sh->tiles, 1.0 / sh->tiles);
 }
 
 static void tell(const session *s, const render_options *o, const picture *p, const scene *sc, const sheet *sh)
@@ -276,10 +276,8 @@ static int draw_all(session *s, const render_options *o, scene *sc)
     if (p.rgb == NULL) return failure("out of memory");
     memset(p.rgb, 255, (size_t)3 * p.width * p.height);
     progress_start(&s->progress, "drawing");
-    for (uint32_t i = 0; i < sh.tiles && status == SPH_OK; ++i) {
-        status = sph_context_report_progress(s->context, "render", (double)i / sh.tiles);
-        if (status == SPH_OK) status = draw_tile(s, o, sc, &sh, i, &p);
-    }
+    for (uint32_t i = 0; i < sh.tiles && status == SPH_OK; ++i)
+        status = draw_tile(s, o, sc, &sh, i, &p);
     progress_end(&s->progress);
     if (status == SPH_OK && interrupted()) status = SPH_E_CANCELLED;
     if (status != SPH_OK)

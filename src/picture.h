@@ -23,8 +23,11 @@ typedef struct tile {
     double scale;     /* the diagonal of the box that is looked at */
 } tile;
 
-/* Rows are shared among the context's threads; the picture is the same for any number of them. */
-sph_status picture_draw(picture *p, sph_context *context, const tile *t);
+/*
+ * Rows are shared among the context's threads; the picture is the same for any number of them. Of all the work `done`
+ * is done, and the tile is a `share` of it: that is for progress.
+ */
+sph_status picture_draw(picture *p, sph_context *context, const tile *t, double done, double share);
 /* Writes a PNG file, whole or not at all: DONE, or FAILED after it has said why. */
 int picture_save(const picture *p, const char *path);
 

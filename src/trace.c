@@ -29,6 +29,7 @@ typedef struct pixel {
 typedef struct job {
     picture *picture;
     const tile *tile;
+    uint32_t first_row;
     atomic_int status;
 } job;
 
@@ -209,7 +210,7 @@ static void trace_rows(void *argument, size_t begin, size_t end)
     job *j = argument;
     pixel p;
     p.tile = j->tile;
-    for (size_t y = begin; y < end; ++y)
+    for (size_t y = j->first_row + begin; y < j->first_row + end; ++y)
         for (uint32_t x = 0; x < j->tile->width && atomic_load(&j->status) == SPH_OK; ++x) {
             unsigned char *rgb = j->picture->rgb + 3 * ((j->tile->top + y) * j->picture->width + j->tile->left + x);
             const sph_status status = trace_pixel(&p, x, (uint32_t)y, rgb);
@@ -217,9 +218,18 @@ static void trace_rows(void *argument, size_t begin, size_t end)
         }
 }
 
-sph_status picture_draw(picture *p, sph_context *context, const tile *t)
+/* In bands of rows, so that Ctrl-C does not have to wait for the whole of a large picture. */
+sph_status picture_draw(picture *p, sph_context *context, const tile *t, double done, double share)
 {
+    enum { BAND = 32 };
     job j = {.picture = p, .tile = t};
-    sph_context_parallel_for(context, t->height, 1, trace_rows, &j);
-    return (sph_status)atomic_load(&j.status);
+    sph_status status = SPH_OK;
+    for (; j.first_row < t->height && status == SPH_OK; j.first_row += BAND) {
+        const uint32_t left = t->height - j.first_row;
+        status = sph_context_report_progress(context, "render", done + share * j.first_row / t->height);
+        if (status != SPH_OK) break;
+        sph_context_parallel_for(context, left < BAND ? left : BAND, 1, trace_rows, &j);
+        status = (sph_status)atomic_load(&j.status);
+    }
+    return status;
 }

@@ -137,6 +137,21 @@ class Geometry(Drawing):
         self.assertEqual({colour(rows[y][x]) for x, y in cells if 6 < x < 53 and 6 < y < 53}, {"grey"})
         self.assertAlmostEqual(math.sqrt(len(cells)), SIZE / 1.08, delta=1)
 
+    def test_scale_changes_nothing_and_the_up_axis_turns_the_mesh(self):
+        plain = self.draw("square.obj", "--view", "front", "--flat")
+        self.assertTrue(self.draw("square.obj", "--view", "front", "--flat", "--scale", 4) == plain)
+        above = self.covered(self.draw("square.obj", "--view", "top", "--flat", "--up", "z"))
+        self.assertLess(len(set(above) ^ set(self.covered(plain))), 0.03 * len(above))
+        self.assertEqual(self.covered(self.draw("square.obj", "--view", "front", "--flat", "--up", "z")), [])
+
+    def test_more_samples_make_edges_softer(self):
+        def paleness(samples):  # pixels of the rim that are partly covered
+            rows = self.draw("ball.json", "--view", "front", "--flat", "--samples", samples)
+            rim = [rows[y][x] for y in range(SIZE) for x in range(SIZE) if (x - 29.5) ** 2 + (y - 29.5) ** 2 > 25 ** 2]
+            return sum(120 < pixel[1] < 245 and 120 < pixel[2] < 245 for pixel in rim)
+        self.assertEqual(paleness(1), 0)
+        self.assertGreater(paleness(4), 50)
+
     def test_zoom_and_center_move_in_on_a_place(self):
         rows = self.draw("capsule.json", "--view", "front", "--flat", "--zoom", 5, "--center", "4,0,0")
         self.assertEqual(colour(rows[30][30]), "red")
@@ -182,7 +197,7 @@ class Sheets(Drawing):
             for frame in range(3):
                 one = self.draw("creature.sphm", "--levels", spheres, "--frames", frame, "--samples", 1, size=40)
                 cut = [line[40 * frame:40 * frame + 40] for line in whole[40 * row:40 * row + 40]]
-                self.assertEqual(cut, one)
+                self.assertTrue(cut == one)  # to tell all differences would take for ever
 
     def test_one_frame_puts_levels_side_by_side_and_columns_wrap(self):
         for columns, shape in ((None, (5, 1)), (2, (2, 3)), (9, (5, 1))):
@@ -217,6 +232,39 @@ class Sheets(Drawing):
         over = ["half.sphm", "--levels", 20, "--overlay", "creature.obj", "--cache", "creature.pc2"]
         self.refuses(1, "--input-frames", *over)
         self.draw(*over, "--input-frames", "::2", size=20)
+
+
+class Clips(Drawing):
+    def test_a_clip_is_drawn_at_its_own_frames(self):
+        # a triangle that moves up by 3 within a second, linearly
+        clip = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+                "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+                "buffers": [{"byteLength": 68, "uri": "rise.bin"}],
+                "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+                                {"buffer": 0, "byteOffset": 44, "byteLength": 24}],
+                "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0],
+                               "max": [4, 4, 0]},
+                              {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0],
+                               "max": [1]},
+                              {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"}],
+                "animations": [{"name": name, "samplers": [{"input": 1, "output": 2}],
+                                "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}
+                               for name in ("rise", "again")]}
+        with open(os.path.join(FOLDER, "rise.gltf"), "w") as file:
+            json.dump(clip, file)
+        with open(os.path.join(FOLDER, "rise.bin"), "wb") as file:
+            file.write(struct.pack("<17f", 0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 1, 0, 0, 0, 0, 3, 0))
+
+        def lowest(frame, *how):
+            return max(y for _, y in self.covered(self.draw("rise.gltf", "--frames", frame, "--flat", "--view", "front",
+                                                            "--clip", "rise", *how)))
+        self.assertEqual(self.json("render", "rise.gltf", "--fps", 4, "--clip", "rise", "--frames", "::", "--size", 16,
+                                   "-o", "c.png", cwd=FOLDER)["frames"], 5)
+        # its box is 4 by 4 and its middle 1.5 higher than that of the first frame
+        unit = SIZE / (4 * 1.08)
+        for frame, fps, height in ((0, 4, 0), (1, 4, 0.75), (4, 4, 3), (1, 2, 1.5)):
+            self.assertAlmostEqual(lowest(frame, "--fps", fps), min(SIZE - 1, SIZE / 2 + unit * (2 + 1.5 - height)),
+                                   delta=1.1)
 
 
 class Refusals(Drawing):
