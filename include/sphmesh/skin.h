@@ -80,6 +80,11 @@ enum {
     SPH_SKIN_GEOMETRIC = 2  /**< the initial weights stay: transforms only */
 };
 
+/** Flags. */
+enum {
+    SPH_SKIN_UNIFORM = 1 /**< all vertices count alike in what is minimised, and not by the area of their cells */
+};
+
 /** What was just done, as told to a #sph_skin_step_fn. */
 enum {
     SPH_SKIN_STEP_START = 0,      /**< initial weights and transforms are there */
@@ -99,7 +104,7 @@ typedef void sph_skin_step_fn(void *user, uint32_t round, int32_t step, double e
 /** Options of the decomposition. Fill with sph_skin_options_init() first. */
 typedef struct sph_skin_options {
     uint32_t struct_size;     /**< bytes the caller knows of; written by the initialiser */
-    uint32_t flags;           /**< must be 0 */
+    uint32_t flags;           /**< any of #SPH_SKIN_UNIFORM; default 0 */
     int32_t mode;             /**< default #SPH_SKIN_MIXED */
     uint32_t influence_limit; /**< k: most bones per vertex, from 1; default 4 */
     uint32_t rings;           /**< how many cells away from a vertex's own a bone may be, along adjacent cells;

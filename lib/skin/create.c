@@ -1,169 +1,117 @@
 /* SPDX-License-Identifier: MIT */
-/* Skins whose bones are the spheres of a level: options, and the order of things. */
-#include <math.h>
-
+/* Skins whose bones are the spheres of a level: the order of things. */
 #include "animation/animation.h"
-#include "level/level.h"
-#include "numeric/rotation.h"
-#include "skin/skin.h"
+#include "skin/job.h"
+#include "skin/solve.h"
 
-static const sph_skin_options DEFAULTS = {.struct_size = sizeof(sph_skin_options),
-                                          .mode = SPH_SKIN_MIXED,
-                                          .influence_limit = 4,
-                                          .rings = 1,
-                                          .round_limit = 30,
-                                          .rest_interval = 5,
-                                          .tolerance = 1e-3,
-                                          .smoothness = 1e-4,
-                                          .filter_radius = 0.03,
-                                          .minor_bone = 3};
-enum { OPTIONS_V1 = offsetof(sph_skin_options, step_user) + sizeof(void *) };
+enum { LAST_SWEEPS = 8 };
 
-/* What one call works on. */
-typedef struct job {
-    const sph_level *level;
-    const sph_skin_source *sources;
-    size_t source_count;
-    sph_skin_options options;
-    sph__progress progress;
-    sph__reach reach;
-    uint32_t *labels;
-    double *sums; /* [J][16]: weight, rest, place, and their product */
-    sph_skin *skin;
-} job;
-
-void sph_skin_options_init(sph_skin_options *options, size_t size)
+/* What the solver came to, as the numbers that leave. */
+static sph_status store(const sph__problem *p, sph_skin *skin)
 {
-    sph__options_init(options, size, &DEFAULTS, sizeof DEFAULTS, OPTIONS_V1);
-}
-
-static sph_status read_options(job *j, const sph_skin_options *in)
-{
-    const sph_context *context = j->level->context;
-    sph_skin_options *o = &j->options;
-    sph_status status;
-    *o = DEFAULTS;
-    status = sph__options_read(context, "sph_skin_options", in, o, sizeof *o, OPTIONS_V1);
-    if (status != SPH_OK) return status;
-    if (o->flags != 0) return sph__fail(context, SPH_E_INVALID, "sph_skin_options: flags must be 0");
-    if (o->mode < SPH_SKIN_MIXED || o->mode > SPH_SKIN_GEOMETRIC)
-        return sph__fail(context, SPH_E_INVALID, "sph_skin_options: mode is %d", (int)o->mode);
-    if (o->influence_limit == 0) return sph__fail(context, SPH_E_INVALID, "sph_skin_options: influence_limit is 0");
+    const uint32_t k = skin->influence_count;
+    uint32_t *bones = sph__alloc(p->context, k, sizeof *bones);
+    double *weights = sph__alloc(p->context, k, sizeof *weights);
+    if (bones == NULL || weights == NULL) {
+        sph__free(p->context, bones);
+        sph__free(p->context, weights);
+        return sph__fail_memory(p->context);
+    }
+    for (size_t v = 0; v < p->n; ++v) {
+        const size_t to = p->vertex[v];
+        for (uint32_t s = 0; s < p->now.count[v]; ++s) {
+            bones[s] = p->sets[p->set[v]].bones[p->now.places[v * p->limit + s]];
+            weights[s] = p->now.weights[v * p->limit + s];
+        }
+        sph__weights_order(bones, weights, p->now.count[v], k, skin->bones + to * k, skin->weights + to * k);
+        for (int c = 0; c < 3; ++c)
+            skin->rest[3 * to + c] = (float)(p->rest[3 * v + c] + p->origin[c]);
+    }
+    sph__free(p->context, bones);
+    sph__free(p->context, weights);
     return SPH_OK;
 }
 
-/* The cells: vertices that the level gives to no sphere go to the nearest in the first frame. */
-static sph_status find_cells(job *j)
+static void store_poses(const sph__problem *p, sph_skin *skin)
 {
-    const sph_level *level = j->level;
+    enum { L = SPH__SKIN_LANES };
+    for (uint32_t f = 0; f < p->frames; ++f)
+        for (uint32_t b = 0; b < p->bones; ++b) {
+            const double *pose = sph__problem_pose(p, f / L, b) + f % L;
+            double *to = skin->transforms + 12 * ((size_t)f * p->bones + b);
+            for (int r = 0; r < 3; ++r) {
+                double turned = 0;
+                for (int c = 0; c < 3; ++c) {
+                    to[4 * r + c] = pose[(4 * r + c) * L];
+                    turned += to[4 * r + c] * p->origin[c];
+                }
+                to[4 * r + 3] = pose[(4 * r + 3) * L] + p->origin[r] - turned;
+            }
+        }
+}
+
+static sph_status lock_vertices(sph__skin_job *j)
+{
+    sph__problem *p = &j->problem;
+    if (j->options.locked_vertices == NULL) return SPH_OK;
+    j->fixed = sph__alloc(p->context, p->n, 1);
+    if (j->fixed == NULL) return sph__fail_memory(p->context);
+    for (uint32_t v = 0; v < p->n; ++v)
+        j->fixed[v] = j->options.locked_vertices[p->vertex[v]] != 0;
+    p->fixed = j->fixed;
+    return SPH_OK;
+}
+
+static sph_status make_filter(sph__skin_job *j)
+{
     const sph_animation *animation = j->sources[0].animation;
-    const float *centers = sph__level_centers(level, 0);
-    j->labels = sph__alloc(level->context, level->label_count, sizeof *j->labels);
-    if (j->labels == NULL) return sph__fail_memory(level->context);
-    for (size_t v = 0; v < level->label_count; ++v) {
-        double least = INFINITY;
-        j->labels[v] = level->labels[v];
-        for (uint32_t s = 0; s < level->sphere_count && level->labels[v] == SPH_NO_SPHERE; ++s) {
-            double d2 = 0;
-            for (int k = 0; k < 3; ++k) {
-                const double d = (double)j->skin->rest[3 * v + k] - (double)centers[3 * (size_t)s + k];
-                d2 += d * d;
-            }
-            if (d2 >= least) continue;
-            least = d2;
-            j->labels[v] = s;
-        }
-    }
-    return sph__reach_find(&j->reach, level->context, level->sphere_count, j->labels, animation->triangles,
-                           animation->triangle_count, animation->edges, animation->edge_count, j->options.rings);
+    const sph__filter_input input = {.context = j->level->context,
+                                     .problem = &j->problem,
+                                     .rest = j->skin->rest,
+                                     .triangles = animation->triangles,
+                                     .edges = animation->edges,
+                                     .triangle_count = animation->triangle_count,
+                                     .edge_count = animation->edge_count,
+                                     .sigma = j->options.filter_radius * j->problem.diagonal};
+    return input.sigma > 0 ? sph__filter_init(&j->filter, &input, &j->progress) : SPH_OK;
 }
 
-/* Geometric weights: the inverse squared distance to the bones within reach. */
-static sph_status start_weights(job *j)
+static sph_status decompose(sph__skin_job *j)
 {
-    sph_skin *skin = j->skin;
-    const uint32_t k = skin->influence_count;
-    uint32_t *bones = sph__alloc(skin->context, j->reach.most, sizeof *bones);
-    double *weights = sph__alloc(skin->context, j->reach.most, sizeof *weights);
-    sph_status status = bones == NULL || weights == NULL ? sph__fail_memory(skin->context) : SPH_OK;
-    for (size_t v = 0; v < skin->vertex_count && status == SPH_OK; ++v) {
-        const size_t begin = j->reach.starts[j->labels[v]], end = j->reach.starts[j->labels[v] + 1];
-        for (size_t i = begin; i < end; ++i) {
-            const uint32_t bone = j->reach.bones[i];
-            double d2 = 1e-300;
-            for (int c = 0; c < 3; ++c) {
-                const double d = (double)skin->rest[3 * v + c] - skin->pivots[3 * (size_t)bone + c];
-                d2 += d * d;
-            }
-            bones[i - begin] = bone;
-            weights[i - begin] = 1 / d2;
-        }
-        sph__weights_order(bones, weights, (uint32_t)(end - begin), k, skin->bones + v * k, skin->weights + v * k);
-    }
-    sph__free(skin->context, bones);
-    sph__free(skin->context, weights);
-    return status;
-}
-
-/* The rigid motion that takes the rest pose's weighted vertices nearest to those of a frame. */
-static void fit(const double sums[16], double transform[12])
-{
-    double m[9], r[9];
-    for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b)
-            m[3 * a + b] = sums[7 + 3 * a + b] - (sums[0] > 0 ? sums[4 + a] * sums[1 + b] / sums[0] : 0);
-    sph__nearest_rotation(m, r);
-    for (int a = 0; a < 3; ++a) {
-        double turned = 0;
-        for (int b = 0; b < 3; ++b) {
-            transform[4 * a + b] = r[3 * a + b];
-            turned += r[3 * a + b] * sums[1 + b];
-        }
-        transform[4 * a + 3] = sums[0] > 0 ? (sums[4 + a] - turned) / sums[0] : 0;
-    }
-}
-
-static void fit_frame(const job *j, const float *xyz, double *transforms)
-{
-    const sph_skin *skin = j->skin;
-    const uint32_t k = skin->influence_count;
-    memset(j->sums, 0, (size_t)skin->bone_count * 16 * sizeof *j->sums);
-    for (size_t v = 0; v < skin->vertex_count; ++v)
-        for (uint32_t s = 0; s < k; ++s) {
-            const double w = (double)skin->weights[v * k + s];
-            double *sums = j->sums + 16 * (size_t)skin->bones[v * k + s];
-            sums[0] += w;
-            for (int a = 0; a < 3; ++a) {
-                sums[1 + a] += w * (double)skin->rest[3 * v + a];
-                sums[4 + a] += w * (double)xyz[3 * v + a];
-                for (int b = 0; b < 3; ++b)
-                    sums[7 + 3 * a + b] += w * (double)xyz[3 * v + a] * (double)skin->rest[3 * v + b];
-            }
-        }
-    for (uint32_t b = 0; b < skin->bone_count; ++b)
-        fit(j->sums + 16 * (size_t)b, transforms + 12 * (size_t)b);
-}
-
-static sph_status fit_transforms(job *j)
-{
-    sph_skin *skin = j->skin;
-    sph_status status = SPH_OK;
-    uint32_t frame = 0;
-    j->sums = sph__alloc(skin->context, skin->bone_count, 16 * sizeof *j->sums);
-    if (j->sums == NULL) return sph__fail_memory(skin->context);
-    for (size_t s = 0; s < j->source_count && status == SPH_OK; ++s) {
-        const sph_animation *animation = j->sources[s].animation;
-        const float *xyz;
-        float *scratch = NULL;
-        status = sph__animation_scratch(animation, &scratch);
-        for (uint32_t f = 0; f < animation->frame_count && status == SPH_OK; ++f, ++frame) {
-            status = sph__progress_report(&j->progress, "transforms", (double)frame / skin->frame_count);
-            if (status == SPH_OK) status = sph__animation_frame(animation, f, scratch, &xyz);
-            if (status == SPH_OK) status = sph__check_finite(skin->context, f, xyz, skin->vertex_count);
-            if (status == SPH_OK) fit_frame(j, xyz, skin->transforms + 12 * (size_t)frame * skin->bone_count);
-        }
-        sph__free(animation->context, scratch);
-    }
+    const sph__problem_input input = {.context = j->level->context,
+                                      .sources = j->sources,
+                                      .source_count = j->source_count,
+                                      .n = j->skin->vertex_count,
+                                      .bones = j->skin->bone_count,
+                                      .frames = j->skin->frame_count,
+                                      .limit = j->skin->influence_count,
+                                      .labels = j->labels,
+                                      .reach = &j->reach,
+                                      .rest = j->skin->rest,
+                                      .pivots = j->skin->pivots,
+                                      .uniform = (j->options.flags & SPH_SKIN_UNIFORM) != 0};
+    sph__problem *p = &j->problem;
+    uint32_t minor;
+    sph_status status;
+    sph__progress_part(&j->progress, 0.1);
+    status = sph__problem_init(p, &input, &j->progress);
+    if (status == SPH_OK) status = lock_vertices(j);
+    sph__progress_part(&j->progress, 0.1);
+    if (status == SPH_OK && j->options.mode == SPH_SKIN_MIXED && j->options.filter_radius > 0) status = make_filter(j);
+    if (status == SPH_OK) status = sph__skin_start_poses(j);
+    if (status != SPH_OK) return status;
+    sph__skin_load_weights(p, j->skin);
+    sph__progress_part(&j->progress, 0.65);
+    status = sph__solve(p, j->skin, &j->options, &j->filter, &j->progress);
+    if (status == SPH_OK) status = store(p, j->skin);
+    if (status != SPH_OK) return status;
+    /* Poses for the weights and positions as they were rounded. */
+    sph__skin_load_weights(p, j->skin);
+    for (size_t v = 0; v < p->n; ++v)
+        for (int k = 0; k < 3; ++k)
+            p->rest[3 * v + k] = (double)j->skin->rest[3 * (size_t)p->vertex[v] + k] - p->origin[k];
+    status = sph__fit_poses(p, j->skin, j->options.minor_bone, LAST_SWEEPS, &minor);
+    if (status == SPH_OK) store_poses(p, j->skin);
     return status;
 }
 
@@ -185,7 +133,7 @@ static sph_status copy_links(sph_skin *skin, const sph_level *level)
     return SPH_OK;
 }
 
-static sph_status set_clips(job *j)
+static sph_status set_clips(sph__skin_job *j)
 {
     sph_skin_clip *clips = sph__alloc(j->skin->context, j->source_count, sizeof *clips);
     uint32_t at = 0;
@@ -202,7 +150,7 @@ static sph_status set_clips(job *j)
 }
 
 /* What of the skin does not depend on any fit. */
-static sph_status begin_skin(job *j, uint32_t frame_count)
+static sph_status begin_skin(sph__skin_job *j, uint32_t frame_count)
 {
     const sph_level *level = j->level;
     const sph_animation *animation = j->sources[0].animation;
@@ -229,16 +177,14 @@ static sph_status begin_skin(job *j, uint32_t frame_count)
     return status == SPH_OK ? set_clips(j) : status;
 }
 
-static sph_status run(job *j, uint32_t frame_count)
+static sph_status run(sph__skin_job *j, uint32_t frame_count)
 {
     sph_status status = begin_skin(j, frame_count);
-    if (status == SPH_OK && j->options.mode != SPH_SKIN_GEOMETRIC)
-        status = sph__fail(j->level->context, SPH_E_UNSUPPORTED, "only geometric weights are implemented so far");
-    if (status == SPH_OK) status = find_cells(j);
-    if (status == SPH_OK) status = start_weights(j);
-    sph__progress_part(&j->progress, 0.9);
-    if (status == SPH_OK) status = fit_transforms(j);
+    if (status == SPH_OK) status = sph__skin_find_cells(j);
     sph__progress_part(&j->progress, 0.1);
+    if (status == SPH_OK) status = sph__skin_start_weights(j);
+    if (status == SPH_OK) status = decompose(j);
+    sph__progress_part(&j->progress, 0.05);
     if (status == SPH_OK) status = sph__skin_measure_self(j->skin, j->sources, j->source_count, &j->progress);
     return status;
 }
@@ -246,7 +192,7 @@ static sph_status run(job *j, uint32_t frame_count)
 sph_status sph_skin_create(const sph_level *level, const sph_skin_source *sources, size_t source_count,
                            const sph_skin_options *options, sph_skin **out)
 {
-    job j = {.level = level, .sources = sources, .source_count = source_count};
+    sph__skin_job j = {.level = level, .sources = sources, .source_count = source_count};
     uint32_t frames;
     sph_status status;
     if (out != NULL) *out = NULL;
@@ -255,15 +201,18 @@ sph_status sph_skin_create(const sph_level *level, const sph_skin_source *source
                          "sph_skin_create: an argument is NULL");
     if (level->labels == NULL || level->label_count > UINT32_MAX)
         return sph__fail(level->context, SPH_E_INVALID, "the level has no labels: it was not made from a hierarchy");
-    status = read_options(&j, options);
+    status = sph__skin_read_options(&j, options);
     if (status == SPH_OK)
         status = sph__skin_check_sources(level->context, sources, source_count, (uint32_t)level->label_count, &frames);
+    if (status == SPH_OK) status = sph__skin_check_arrays(&j, frames);
     if (status != SPH_OK) return status;
     sph__progress_begin(&j.progress, level->context);
     status = run(&j, frames);
+    sph__filter_free(&j.filter);
     sph__reach_free(&j.reach);
+    sph__free(level->context, j.fixed);
     sph__free(level->context, j.labels);
-    sph__free(level->context, j.sums);
+    sph__problem_free(&j.problem);
     if (status != SPH_OK) {
         sph_skin_destroy(j.skin);
         return status;

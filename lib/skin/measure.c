@@ -98,7 +98,7 @@ static void measure_frame(const measurement *m, uint32_t frame, sph_skin_error *
                               .max_frame = frame};
 }
 
-static double frame_diagonal(const float *xyz, uint32_t n)
+double sph__frame_diagonal(const float *xyz, uint32_t n)
 {
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
@@ -160,7 +160,7 @@ static sph_status measure(const sph_skin *skin, const sph_skin_source *sources, 
             if (status != SPH_OK) break;
             m.transforms = skin->transforms + 12 * (size_t)frame * skin->bone_count;
             measure_frame(&m, frame, &errors[frame]);
-            diagonal += frame_diagonal(m.xyz, skin->vertex_count) / skin->frame_count;
+            diagonal += sph__frame_diagonal(m.xyz, skin->vertex_count) / skin->frame_count;
         }
         sph__free(animation->context, scratch);
     }

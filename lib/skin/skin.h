@@ -52,6 +52,9 @@ static inline void sph__transform_point(const double transform[12], const double
 /* The areas of the vertices' barycentric cells in one frame: a third of that of every triangle around. */
 void sph__cell_areas(const uint32_t *triangles, size_t triangle_count, const float *xyz, uint32_t n, double *areas);
 
+/* The diagonal of the bounding box of n points. */
+double sph__frame_diagonal(const float *xyz, uint32_t n);
+
 /* That all sources are of one mesh with `vertex_count` vertices; the sum of their frames in *frame_count. */
 sph_status sph__skin_check_sources(const sph_context *context, const sph_skin_source *sources, size_t source_count,
                                    uint32_t vertex_count, uint32_t *frame_count);

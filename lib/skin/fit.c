@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: MIT */
+/* Poses and rest positions with the weights fixed. */
+#include <math.h>
+
+#include "numeric/numeric.h"
+#include "numeric/rotation.h"
+#include "skin/kernel.h"
+
+enum { BATCH = 16 /* groups whose sums are held at once */, ENERGY_BLOCK = 256, REST_GRAIN = 64 };
+
+typedef struct fit_job {
+    sph__problem *p;
+    const sph_skin *skin;
+    const uint8_t *minor; /* [bones] */
+    uint32_t first, sweeps;
+    double *sums; /* [BATCH][sums_size] */
+    size_t sums_size;
+} fit_job;
+
+/* The rigid motion of least squares from the normal equations of one bone in one frame. */
+static void solve_lane(const double *gram, const double *product, double *pose, int lane)
+{
+    enum { L = SPH__SKIN_LANES };
+    static const int COLUMN[3] = {3, 6, 8}; /* of the sums of p in a gram */
+    const double mass = gram[9 * L + lane];
+    double m[9], r[9];
+    if (!(mass > 0)) return;
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+            m[3 * a + b] = product[(4 * a + b) * L + lane] -
+                           product[(4 * a + 3) * L + lane] * (gram[COLUMN[b] * L + lane] / mass);
+    sph__nearest_rotation(m, r);
+    for (int a = 0; a < 3; ++a) {
+        double turned = 0;
+        for (int b = 0; b < 3; ++b) {
+            pose[(4 * a + b) * L + lane] = r[3 * a + b];
+            turned += r[3 * a + b] * gram[COLUMN[b] * L + lane];
+        }
+        pose[(4 * a + 3) * L + lane] = (product[(4 * a + 3) * L + lane] - turned) / mass;
+    }
+}
+
+static bool stays(const fit_job *j, uint32_t bone)
+{
+    return j->p->still[bone] || j->minor[bone];
+}
+
+/* The mean pose of the bones that `bone` is linked to: of rotations by their quaternions, of where they take the pivot. */
+static void average_lane(const fit_job *j, uint32_t group, uint32_t bone, bool of_minor, int lane)
+{
+    enum { L = SPH__SKIN_LANES };
+    double form[16] = {0}, values[4], vectors[16], place[3] = {0}, r[9], pivot[3];
+    double *pose = sph__problem_pose(j->p, group, bone);
+    uint32_t count = 0;
+    for (int k = 0; k < 3; ++k)
+        pivot[k] = j->skin->pivots[3 * (size_t)bone + k] - j->p->origin[k];
+    for (size_t i = 0; i < 2 * j->skin->link_count; ++i) {
+        const uint32_t other = j->skin->links[i ^ 1];
+        const double *from;
+        double q[4];
+        if (j->skin->links[i] != bone || (j->minor[other] && !of_minor)) continue;
+        from = sph__problem_pose(j->p, group, other);
+        for (int a = 0; a < 3; ++a) {
+            place[a] += from[(4 * a + 3) * L + lane];
+            for (int b = 0; b < 3; ++b) {
+                r[3 * a + b] = from[(4 * a + b) * L + lane];
+                place[a] += r[3 * a + b] * pivot[b];
+            }
+        }
+        sph__quaternion_from_rotation(r, q);
+        for (int a = 0; a < 4; ++a)
+            for (int b = 0; b < 4; ++b)
+                form[4 * a + b] += q[a] * q[b];
+        ++count;
+    }
+    if (count == 0) return;
+    sph__sym4_eigen(form, values, vectors);
+    sph__rotation_from_quaternion(vectors, r);
+    for (int a = 0; a < 3; ++a) {
+        double turned = 0;
+        for (int b = 0; b < 3; ++b) {
+            pose[(4 * a + b) * L + lane] = r[3 * a + b];
+            turned += r[3 * a + b] * pivot[b];
+        }
+        pose[(4 * a + 3) * L + lane] = place[a] / count - turned;
+    }
+}
+
+static void average_minor(const fit_job *j, uint32_t group)
+{
+    for (uint32_t bone = 0; bone < j->p->bones; ++bone) {
+        bool of_minor = true;
+        if (!j->minor[bone] || j->p->still[bone]) continue;
+        for (size_t i = 0; i < 2 * j->skin->link_count; ++i)
+            if (j->skin->links[i] == bone && !j->minor[j->skin->links[i ^ 1]]) of_minor = false;
+        for (int lane = 0; lane < SPH__SKIN_LANES; ++lane)
+            average_lane(j, group, bone, of_minor, lane);
+    }
+}
+
+static void fit_group(void *argument, size_t begin, size_t end)
+{
+    const fit_job *j = argument;
+    for (size_t i = begin; i < end; ++i) {
+        const uint32_t group = j->first + (uint32_t)i;
+        double *gram = j->sums + i * j->sums_size, *moments = gram + j->p->pair_count * 10 * SPH__SKIN_LANES;
+        sph__skin_kernel_gram(j->p, group, gram, moments);
+        for (uint32_t sweep = 0; sweep < j->sweeps; ++sweep)
+            for (uint32_t bone = 0; bone < j->p->bones; ++bone) {
+                _Alignas(SPH__ALIGN) double product[SPH__SKIN_POSE];
+                if (stays(j, bone)) continue;
+                sph__skin_kernel_remainder(j->p, group, bone, gram, moments, product);
+                for (int lane = 0; lane < SPH__SKIN_LANES; ++lane)
+                    solve_lane(gram + (size_t)bone * 10 * SPH__SKIN_LANES, product,
+                               sph__problem_pose(j->p, group, bone), lane);
+            }
+    }
+}
+
+static void average_group(void *argument, size_t begin, size_t end)
+{
+    const fit_job *j = argument;
+    for (size_t i = begin; i < end; ++i)
+        average_minor(j, (uint32_t)i);
+}
+
+/* Which bones are minor: `marks` has a byte for each. */
+static sph_status find_minor(const sph__problem *p, const sph_skin *skin, double threshold, uint8_t *marks,
+                             uint32_t *count)
+{
+    double *squares = sph__zalloc(p->context, p->bones, sizeof *squares);
+    if (squares == NULL) return sph__fail_memory(p->context);
+    for (size_t v = 0; v < p->n; ++v)
+        for (uint32_t s = 0; s < p->now.count[v]; ++s) {
+            const double w = p->now.weights[v * p->limit + s];
+            squares[p->sets[p->set[v]].bones[p->now.places[v * p->limit + s]]] += w * w;
+        }
+    *count = 0;
+    memset(marks, 0, p->bones);
+    for (size_t i = 0; i < 2 * skin->link_count; ++i) { /* bones without a link have nobody to be like */
+        const uint32_t bone = skin->links[i];
+        if (marks[bone] || p->still[bone] || !(squares[bone] < threshold || squares[bone] == 0)) continue;
+        marks[bone] = 1;
+        ++*count;
+    }
+    sph__free(p->context, squares);
+    return SPH_OK;
+}
+
+sph_status sph__fit_poses(sph__problem *p, const sph_skin *skin, double minor, uint32_t sweeps, uint32_t *minor_count)
+{
+    fit_job j = {.p = p, .skin = skin, .sweeps = sweeps};
+    uint8_t *marks = sph__alloc(p->context, p->bones, 1);
+    sph_status status = marks == NULL ? sph__fail_memory(p->context) : SPH_OK;
+    j.minor = marks;
+    j.sums_size = (p->pair_count * 10 + (size_t)p->bones * 12) * SPH__SKIN_LANES;
+    if (status == SPH_OK) j.sums = sph__alloc(p->context, BATCH * j.sums_size, sizeof *j.sums);
+    if (status == SPH_OK && j.sums == NULL) status = sph__fail_memory(p->context);
+    if (status == SPH_OK) status = find_minor(p, skin, minor, marks, minor_count);
+    if (status == SPH_OK && *minor_count != 0) sph__parallel_for(p->context, p->groups, 1, average_group, &j);
+    for (; status == SPH_OK && j.first < p->groups; j.first += BATCH) {
+        const uint32_t left = p->groups - j.first;
+        sph__parallel_for(p->context, left < BATCH ? left : BATCH, 1, fit_group, &j);
+    }
+    sph__free(p->context, marks);
+    sph__free(p->context, j.sums);
+    return status;
+}
+
+typedef struct energy_job {
+    const sph__problem *p;
+    const sph__influences *at;
+    double (*sums)[2];
+} energy_job;
+
+static void energy_block(void *argument, size_t begin, size_t end)
+{
+    const energy_job *j = argument;
+    sph__skin_kernel_energy(j->p, j->at, begin, end, j->sums[begin / ENERGY_BLOCK]);
+}
+
+sph_status sph__problem_energy(const sph__problem *p, const sph__influences *at, double energy[2])
+{
+    const size_t blocks = (p->n + ENERGY_BLOCK - 1) / ENERGY_BLOCK;
+    energy_job j = {p, at, sph__alloc(p->context, blocks, sizeof *j.sums)};
+    if (j.sums == NULL) return sph__fail_memory(p->context);
+    sph__parallel_for(p->context, p->n, ENERGY_BLOCK, energy_block, &j);
+    energy[0] = energy[1] = 0;
+    for (size_t b = 0; b < blocks; ++b)
+        for (int k = 0; k < 2; ++k)
+            energy[k] += j.sums[b][k];
+    sph__free(p->context, j.sums);
+    return SPH_OK;
+}
+
+/*
+ * The least change of a position that brings its gradient to zero, but for directions that no frame tells of: there the
+ * smallest eigenvalues are raised to 1e-9 of the largest.
+ */
+static void rest_range(void *argument, size_t begin, size_t end)
+{
+    sph__problem *p = argument;
+    for (size_t v = begin; v < end; ++v) {
+        double sums[9], gradient[3], step[3], *rest = p->rest + 3 * v;
+        sph__sym3_factor factor;
+        if (p->fixed != NULL && p->fixed[v]) continue;
+        sph__skin_kernel_rest(p, v, sums);
+        sph__sym3_apply(sums, rest, gradient);
+        for (int k = 0; k < 3; ++k)
+            gradient[k] = sums[6 + k] - gradient[k];
+        for (int k = 0; k < 6; k += k == 0 ? 3 : 2)
+            sums[k] += 1e-9 * p->total[v];
+        if (!sph__sym3_factorize(sums, &factor)) continue;
+        sph__sym3_solve(&factor, gradient, step);
+        for (int k = 0; k < 3; ++k)
+            rest[k] += step[k];
+    }
+}
+
+void sph__fit_rest(sph__problem *p)
+{
+    sph__parallel_for(p->context, p->n, REST_GRAIN, rest_range, p);
+}
