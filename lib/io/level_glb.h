@@ -3,7 +3,7 @@
 #ifndef SPH_LEVEL_GLB_H
 #define SPH_LEVEL_GLB_H
 
-#include "io/export.h"
+#include "io/level_export.h"
 
 /* The bytes, in their order. */
 enum { BALL, BALL_INDICES, ORIGINS, JOINTS, WEIGHTS, TRIANGLES, EDGES, TIMES, CENTERS, SCALES, VIEW_COUNT };

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "io/export.h"
+#include "io/level_export.h"
 
 enum { MOST_STEPS = 1024, MOST_TRIANGLE_STEPS = 256, MOST_BALLS = 1000000 };
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "io/export.h"
+#include "io/level_export.h"
 
 enum { PRIMITIVES_VERSION = 1 };
 

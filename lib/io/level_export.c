@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Levels for other tools: what is asked for, and who writes it. */
-#include "io/export.h"
+#include "io/level_export.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Levels for other tools: what its writers share. */
-#ifndef SPH_IO_EXPORT_H
-#define SPH_IO_EXPORT_H
+#ifndef SPH_LEVEL_EXPORT_H
+#define SPH_LEVEL_EXPORT_H
 
 #include "io/io.h"
 

@@ -2,7 +2,7 @@
 /* Levels as lists of spheres, for planners of robots. */
 #include <string.h>
 
-#include "io/export.h"
+#include "io/level_export.h"
 
 typedef struct list_format {
     const char *before_note, *after_note;
