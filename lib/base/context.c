@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <sphmesh/version.h>
@@ -56,16 +57,34 @@ const char *sph_status_text(sph_status status)
     }
 }
 
+/* Large memory comes from the system and goes back to it at once, where the C library might keep it. */
+#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
+#  define HAVE_LARGE 1
+enum { LARGE = 1 << 18 };
+#endif
+
 static void *default_allocate(void *user, size_t size, size_t alignment)
 {
     void *memory = NULL;
     (void)user;
+#if defined(HAVE_LARGE)
+    if (size >= LARGE) {
+        memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        return memory == MAP_FAILED ? NULL : memory;
+    }
+#endif
     return posix_memalign(&memory, alignment < sizeof(void *) ? sizeof(void *) : alignment, size) == 0 ? memory : NULL;
 }
 
 static void default_release(void *user, void *memory, size_t size)
 {
     (void)user;
+#if defined(HAVE_LARGE)
+    if (size >= LARGE) {
+        (void)munmap(memory, size);
+        return;
+    }
+#endif
     (void)size;
     free(memory);
 }

@@ -4,30 +4,20 @@
 #define SPH_HIERARCHY_BUILD_H
 
 #include "animation/animation.h"
+#include "hierarchy/blocks.h"
 #include "hierarchy/connectivity.h"
 #include "hierarchy/hierarchy.h"
 #include "hierarchy/kernel.h"
 #include "numeric/heap.h"
 
-/* Blocks of floats of one size, recycled. */
-typedef struct sph__blocks {
-    const sph_context *context;
-    size_t size;        /* floats per block */
-    float **slabs;      /* each of SPH__SLAB_BLOCKS blocks */
-    size_t slab_count, slab_capacity, used; /* `used` blocks of the last slab */
-    float *free_head;   /* its first bytes hold the next */
-} sph__blocks;
-
-void sph__blocks_init(sph__blocks *blocks, const sph_context *context, size_t size);
-void sph__blocks_free(sph__blocks *blocks);
-float *sph__blocks_take(sph__blocks *blocks); /* NULL when out of memory; content undefined */
-void sph__blocks_give(sph__blocks *blocks, float *block);
-
 /* A live region keeps its data in the slot of one of its leaves. */
 typedef struct sph__slot {
     uint32_t node;
     uint32_t first, last, count; /* the region's vertices: a chain through sph__builder.next_member */
-    float *block;                /* NULL: not made yet */
+    float *block;                /* NULL: a leaf without one */
+    uint32_t place;              /* of the block in its pool */
+    uint32_t pin;                /* a leaf whose block must stay while this is sph__builder.pin */
+    uint8_t used;                /* a leaf whose block was of use since the cache last came by */
     double w, b, c;
     double width;                /* lower bound of the region's width */
 } sph__slot;
@@ -47,6 +37,24 @@ typedef struct sph__births {
     uint32_t *triangles; /* other corners */
     size_t triangle_count, triangle_capacity; /* indices: two per triangle */
 } sph__births;
+
+/* Points of a union whose extents are taken before those of all. */
+enum { SPH__WITNESSES = 4 };
+
+/* What finding the exact width of a union needs. */
+typedef struct sph__extents {
+    uint32_t *member_stamps;                /* [n]: in the union, where the stamp is */
+    uint32_t *vertex_places, *place_stamps; /* [n]: a vertex's place in `vertices`, valid where the stamp is */
+    uint32_t stamp;
+    uint32_t *vertices; /* that the points are made of */
+    size_t vertex_count, vertex_capacity;
+    uint32_t (*points)[3]; /* places of the vertices whose mean is the point; SPH__NO_NODE: of two */
+    size_t point_count, point_capacity, spread_stride;
+    double *placed, *placed_vertices; /* [points][3][lanes], and so for the vertices behind them */
+    size_t placed_capacity;
+    double *witnesses;   /* [SPH__WITNESSES - 1][3][stride]: a few of the points, from the first of them */
+    double *chunk_least; /* [stride / lanes][direction_stride]: their least extents in each chunk of frames */
+} sph__extents;
 
 typedef struct sph__builder {
     sph_hierarchy *h;
@@ -76,23 +84,20 @@ typedef struct sph__builder {
     size_t direction_stride;
     uint32_t probe_frames;       /* frames whose extents are kept */
     size_t probe_count;          /* probe_frames * direction_stride */
-    double *probes;              /* [n][2][probe_count] by slot: low and high ends of the extents */
-    float *width_bounds;         /* [n][direction_count] by slot: lower bounds over frames of the extents */
-    double *least;               /* [direction_count] lower bounds that the last union's width came with, */
-    const struct sph__candidate *least_of; /* and whose it was */
-    uint32_t *vertices;          /* that the points of a union are made of */
-    size_t vertex_count, vertex_capacity;
-    uint32_t *vertex_places, *place_stamps; /* [n]: a vertex's place in `vertices`, valid where the stamp is */
-    uint32_t (*points)[3];       /* of a union: places of the vertices whose mean is the point; SPH__NO_NODE: of two */
-    size_t point_capacity, spread_stride;
-    double *placed, *placed_vertices; /* [points][3][lanes], and so for the vertices behind them */
-    size_t placed_capacity;
+    double *probes;              /* [n][2][probe_count] by slot: low and high ends of the extents; NULL where */
+    float *probe_bounds;         /* they are not all frames: intervals that hold them are enough then */
+    sph__extents extents;
     uint8_t *cell_open;          /* [n]: the triangles do not close around the vertex */
     uint32_t *next_member; /* [n] */
-    uint32_t *member_stamps; /* [n] */
-    uint32_t stamp;
 
-    sph__blocks blocks;
+    sph__slabs slabs;
+    sph__blocks blocks;      /* of regions that collapses have made; with radii per frame of leaves too */
+    sph__blocks leaf_blocks; /* of some leaves: made when they are needed */
+    size_t leaf_rows;        /* of a leaf's block */
+    size_t leaf_capacity;    /* blocks in leaf_blocks, unless more are needed at once */
+    size_t block_budget;     /* bytes that blocks and the centres of collapses may take where leaves have a choice */
+    size_t leaf_hand;        /* where the search for a block to do without goes on */
+    uint32_t pin;
     sph__slot *slots;     /* [n] */
     uint32_t *slot_of;    /* [2 n - 1] */
     float *means;         /* [2 n][4][stride] by slot: temporal coherence; else NULL */
@@ -101,6 +106,7 @@ typedef struct sph__builder {
     sph__candidate *candidates; /* per edge */
     sph__heap queue, refused;
     float *new_center;    /* [3][stride] */
+    float *new_block;     /* [rows][stride] */
     /* With radii per frame: */
     float *new_radii;     /* [stride] */
     double *union_widths; /* [stride]: exact, of the edge exact_edge */
@@ -146,23 +152,41 @@ sph_status sph__record_leaves(sph__builder *b);
 
 /*
  * Importance from curvature: the plane that a vertex of positive curvature adds to its leaf's quadric; returns what it
- * adds to W. The radius is in bounding-box diagonals.
+ * adds to W. The radius is in bounding-box diagonals. The weight is that of a unit of curvature; 0: there is no plane.
  */
 #define SPH__CAP_RADIUS 0.04
+double sph__cap_weight(const sph__builder *b, uint32_t v);
 double sph__add_cap(const sph__builder *b, uint32_t v, float *block);
+
+/* Leaves that are held keep their blocks until this is called again. */
+void sph__release_leaves(sph__builder *b);
+/*
+ * Gives a leaf a block, if it has none: then *fresh is set, and sph__fill_leaf must follow. Nodes that are no leaves have
+ * theirs.
+ */
+sph_status sph__hold_leaf(sph__builder *b, uint32_t node, bool *fresh);
+void sph__fill_leaf(const sph__builder *b, uint32_t v);
+/* Both. */
+sph_status sph__need_leaf(sph__builder *b, uint32_t node);
+/* Regions take ever more of what there is for blocks: leaves have to do with the rest. */
+void sph__limit_leaves(sph__builder *b);
 
 /* The region as the kernels want it. */
 sph__region sph__region_of(const sph__builder *b, uint32_t node);
 
-/* Exact width of the union of two regions, into the candidate. */
-sph_status sph__union_width(sph__builder *b, const sph__slot *u, const sph__slot *v, sph__candidate *candidate);
+sph_status sph__extents_init(const sph__builder *b, sph__extents *extents);
+void sph__extents_free(const sph__builder *b, sph__extents *extents);
+/* Exact width of the union of two regions. */
+sph_status sph__union_width(const sph__builder *b, sph__extents *extents, const sph__slot *u, const sph__slot *v,
+                            double *width);
 /* An upper bound of it that costs little. */
 double sph__union_width_bound(const sph__builder *b, const sph__slot *u, const sph__slot *v);
 /* What is known of the union's extents, into u's rows. */
 void sph__unite_widths(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate);
 
 /* Exact widths of the union of two regions in every frame. */
-sph_status sph__union_frame_widths(sph__builder *b, const sph__slot *u, const sph__slot *v, double *widths);
+sph_status sph__union_frame_widths(const sph__builder *b, sph__extents *extents, const sph__slot *u,
+                                   const sph__slot *v, double *widths);
 
 /* Radii per frame. Blocks have FRAME_ROWS more rows: W, B and c of each frame. */
 enum { SPH__FRAME_ROWS = 3 };
@@ -172,6 +196,35 @@ double sph__per_frame_cost(const sph__builder *b, uint32_t u, uint32_t v, const 
 /* The sphere into new_center and new_radii. */
 void sph__per_frame_sphere(sph__builder *b, uint32_t u, uint32_t v, const double *widths);
 double sph__per_frame_unite(sph__builder *b, uint32_t u, uint32_t v);
+
+static inline sph__slot *sph__slot_of(const sph__builder *b, uint32_t node)
+{
+    return &b->slots[b->slot_of[node]];
+}
+
+/* The ends of an edge, the smaller first. */
+static inline void sph__edge_ends(const sph__builder *b, uint32_t edge, uint32_t *u, uint32_t *v)
+{
+    const uint32_t *ends = b->mesh.edges[edge];
+    *u = ends[0] < ends[1] ? ends[0] : ends[1];
+    *v = ends[0] < ends[1] ? ends[1] : ends[0];
+}
+
+/* Edges of equal cost go by their ends. */
+static inline uint64_t sph__edge_tie(const sph__builder *b, uint32_t edge)
+{
+    uint32_t u, v;
+    sph__edge_ends(b, edge, &u, &v);
+    return (uint64_t)u << 32 | v;
+}
+
+/* The cost of an edge with the best bound of the radius that is at hand: exact where the bound does not matter, else a
+ * lower bound of the cost. Both ends have blocks. */
+double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candidate);
+/* The exact cost. */
+sph_status sph__evaluate_exactly(sph__builder *b, uint32_t edge, sph__candidate *candidate, double *cost);
+/* The costs of all edges of the input, into the queue. */
+sph_status sph__fill_queue(sph__builder *b);
 
 /* The minimum of the united quadric with 0 <= r <= radius_max, from its sums. */
 sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double radius_max);

@@ -3,129 +3,26 @@
 #include <math.h>
 
 #include "hierarchy/build.h"
-#include "quadric/minimizer.h"
 
-sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double radius_max)
-{
-    /* g in the radius itself; the sums are in its difference from that of u. */
-    const double w2 = sums->w - sums->nn, beta = sums->b - sums->nb;
-    const double constant = sums->c - 0.5 * sums->bb + u_radius * (0.5 * w2 * u_radius + beta);
-    const sph__box box = {.mu = sums->mu,
-                          .nu = sums->nu,
-                          .w2 = w2,
-                          .beta1 = sums->b1 + sums->nu * u_radius,
-                          .beta3 = beta + w2 * u_radius,
-                          .mu_scale = sums->mu_scale,
-                          .w2_scale = sums->w,
-                          .cost_scale = sums->c + 0.5 * sums->bb,
-                          .noise = SPH__NOISE_FLOAT};
-    const sph__box_minimum found = sph__box_minimize(&box, sums->degenerate != 0, radius_max);
-    const double cost = found.value + constant;
-    return (sph__minimum){.lambda = found.lambda, .radius = found.radius, .cost = cost > 0 ? cost : 0};
-}
-
-static sph__slot *slot_of(const sph__builder *b, uint32_t node)
-{
-    return &b->slots[b->slot_of[node]];
-}
-
-static void edge_ends(const sph__builder *b, uint32_t edge, uint32_t *u, uint32_t *v)
-{
-    const uint32_t *ends = b->mesh.edges[edge];
-    *u = ends[0] < ends[1] ? ends[0] : ends[1];
-    *v = ends[0] < ends[1] ? ends[1] : ends[0];
-}
-
-static uint64_t edge_tie(const sph__builder *b, uint32_t edge)
+/* Both ends of an edge have blocks then. */
+static sph_status need_ends(sph__builder *b, uint32_t edge)
 {
     uint32_t u, v;
-    edge_ends(b, edge, &u, &v);
-    return (uint64_t)u << 32 | v;
-}
-
-/* The sums of an edge, and the cost with the best bound of the radius that is at hand: exact where the bound does not
- * matter, else a lower bound of the cost. */
-static double evaluate(sph__builder *b, uint32_t edge, sph__candidate *candidate)
-{
-    uint32_t nu, nv;
-    sph__region u, v;
-    sph__sums sums;
-    sph__minimum minimum;
-    double lower, upper;
-    edge_ends(b, edge, &nu, &nv);
-    *candidate = (sph__candidate){.exact = 1};
-    if (b->least_of == candidate) b->least_of = NULL;
-    if (b->h->radii_per_frame) {
-        candidate->exact = 0;
-        return sph__per_frame_cost(b, nu, nv, NULL);
-    }
-    u = sph__region_of(b, nu);
-    v = sph__region_of(b, nv);
-    sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
-    if (b->options.radius_mode == SPH_RADIUS_ZERO) {
-        minimum = sph__sums_minimize(&sums, u.radius, 0);
-    } else {
-        const sph__slot *su = slot_of(b, nu), *sv = slot_of(b, nv);
-        lower = b->radius_factor * (su->width > sv->width ? su->width : sv->width);
-        minimum = sph__sums_minimize(&sums, u.radius, INFINITY);
-        if (minimum.radius > lower) {
-            upper = sph__union_width_bound(b, su, sv);
-            minimum = sph__sums_minimize(&sums, u.radius, b->radius_factor * upper);
-            candidate->exact = b->probe_frames == b->frames; /* then the bound is the width */
-            candidate->width = candidate->exact ? upper : 0;
-        }
-    }
-    candidate->lambda = minimum.lambda;
-    candidate->radius = minimum.radius;
-    return minimum.cost;
-}
-
-static sph_status evaluate_exactly(sph__builder *b, uint32_t edge, sph__candidate *candidate, double *cost)
-{
-    uint32_t nu, nv;
-    sph__region u, v;
-    sph__sums sums;
-    sph__minimum minimum;
     sph_status status;
-    edge_ends(b, edge, &nu, &nv);
-    candidate->exact = 1;
-    if (b->h->radii_per_frame) {
-        status = sph__union_frame_widths(b, slot_of(b, nu), slot_of(b, nv), b->union_widths);
-        if (status != SPH_OK) return status;
-        b->exact_edge = edge;
-        *cost = sph__per_frame_cost(b, nu, nv, b->union_widths);
-        return SPH_OK;
-    }
-    u = sph__region_of(b, nu);
-    v = sph__region_of(b, nv);
-    sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
-    status = sph__union_width(b, slot_of(b, nu), slot_of(b, nv), candidate);
-    if (status != SPH_OK) return status;
-    minimum = sph__sums_minimize(&sums, u.radius, b->radius_factor * candidate->width);
-    candidate->lambda = minimum.lambda;
-    candidate->radius = minimum.radius;
-    *cost = minimum.cost;
-    return SPH_OK;
+    sph__edge_ends(b, edge, &u, &v);
+    sph__release_leaves(b);
+    status = sph__need_leaf(b, u);
+    return status == SPH_OK ? sph__need_leaf(b, v) : status;
 }
 
 static sph_status push(sph__builder *b, uint32_t edge)
 {
-    const double cost = evaluate(b, edge, &b->candidates[edge]);
+    double cost;
+    const sph_status status = need_ends(b, edge);
+    if (status != SPH_OK) return status;
+    cost = sph__evaluate(b, edge, &b->candidates[edge]);
     ++b->h->evaluations;
-    return sph__heap_set(&b->queue, edge, cost, edge_tie(b, edge));
-}
-
-static sph_status fill_queue(sph__builder *b)
-{
-    sph_status status;
-    b->candidates = sph__alloc(b->context, b->mesh.edge_count, sizeof *b->candidates);
-    if (b->candidates == NULL) return sph__fail_memory(b->context);
-    status = sph__heap_reserve(&b->queue, b->mesh.edge_count);
-    for (uint32_t e = 0; e < b->mesh.edge_count && status == SPH_OK; ++e) {
-        if (e % 1024 == 0) status = sph__progress_report(&b->progress, "evaluation", (double)e / b->mesh.edge_count);
-        if (status == SPH_OK) status = push(b, e);
-    }
-    return status;
+    return sph__heap_set(&b->queue, edge, cost, sph__edge_tie(b, edge));
 }
 
 /* Whether one of the surviving triangles of `node` turns over when the node moves to the new centre. */
@@ -154,17 +51,38 @@ static sph_status readmit_around(sph__builder *b, uint32_t node)
         sph_status status;
         if (!candidate->refused) continue;
         candidate->refused = 0;
-        status = sph__heap_set(&b->queue, edges[i], sph__heap_key(&b->refused, edges[i]), edge_tie(b, edges[i]));
+        status = sph__heap_set(&b->queue, edges[i], sph__heap_key(&b->refused, edges[i]), sph__edge_tie(b, edges[i]));
         sph__heap_remove(&b->refused, edges[i]);
         if (status != SPH_OK) return status;
     }
     return SPH_OK;
 }
 
+/* The united region's block: one that u or v had, or a new one. */
+static sph_status unite_blocks(sph__builder *b, uint32_t nu, uint32_t nv)
+{
+    const uint32_t u = b->slot_of[nu], v = b->slot_of[nv];
+    if (b->h->radii_per_frame) {
+        sph__blocks_give(&b->blocks, v);
+        return SPH_OK;
+    }
+    if (nu < b->n && b->slots[u].block != NULL) sph__blocks_give(&b->leaf_blocks, u);
+    if (nv < b->n && b->slots[v].block != NULL) sph__blocks_give(&b->leaf_blocks, v);
+    if (nv >= b->n && nu < b->n)
+        sph__blocks_pass(&b->blocks, v, u);
+    else if (nv >= b->n)
+        sph__blocks_give(&b->blocks, v);
+    else if (nu < b->n && !sph__blocks_take(&b->blocks, u))
+        return sph__fail_memory(b->context);
+    memcpy(b->slots[u].block, b->new_block, SPH__BLOCK_ROWS * b->stride * sizeof(float));
+    sph__limit_leaves(b);
+    return SPH_OK;
+}
+
 /* Quadric, sphere and members of the new node w, into the slot of u. */
 static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint32_t w, const sph__candidate *candidate)
 {
-    sph__slot *su = slot_of(b, nu), *sv = slot_of(b, nv);
+    sph__slot *su = sph__slot_of(b, nu), *sv = sph__slot_of(b, nv);
     const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
     const float radius = (float)candidate->radius;
     sph_hierarchy *h = b->h;
@@ -175,7 +93,7 @@ static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint3
         su->c = sph__per_frame_unite(b, nu, nv);
     } else {
         h->radii[w] = radius;
-        sph__kernel_unite(&u, &v, b->stride, b->new_center, (double)radius, su->block, &su->w, &su->b, &su->c);
+        sph__kernel_unite(&u, &v, b->stride, b->new_center, (double)radius, b->new_block, &su->w, &su->b, &su->c);
     }
     if (su->c < 0) su->c = 0;
     b->live_cost += su->c;
@@ -186,9 +104,7 @@ static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint3
     su->count += sv->count;
     su->node = w;
     b->slot_of[w] = b->slot_of[nu];
-    sph__blocks_give(&b->blocks, sv->block);
-    sv->block = NULL;
-    return SPH_OK;
+    return unite_blocks(b, nu, nv);
 }
 
 static void record_collapse(sph__builder *b, uint32_t u, uint32_t v, uint32_t w, bool forced)
@@ -201,7 +117,7 @@ static void record_collapse(sph__builder *b, uint32_t u, uint32_t v, uint32_t w,
     h->children[2 * (size_t)t + 1] = v;
     h->parents[u] = h->parents[v] = w;
     h->parents[w] = SPH__NO_NODE;
-    h->costs[t] = slot_of(b, w)->c;
+    h->costs[t] = sph__slot_of(b, w)->c;
     h->errors[t] = t > 0 && h->errors[t - 1] > error ? h->errors[t - 1] : error;
     h->forced[t] = forced;
     if (forced && h->first_forced == SPH__NO_NODE) h->first_forced = t;
@@ -246,9 +162,10 @@ static sph_status next_edge(sph__builder *b, uint32_t *edge, double *cost, bool 
             sph__heap_pop(&b->queue, edge);
             return SPH_OK;
         }
-        status = evaluate_exactly(b, *edge, candidate, cost);
+        status = need_ends(b, *edge);
+        if (status == SPH_OK) status = sph__evaluate_exactly(b, *edge, candidate, cost);
         if (status != SPH_OK) return status;
-        status = sph__heap_set(&b->queue, *edge, *cost, edge_tie(b, *edge));
+        status = sph__heap_set(&b->queue, *edge, *cost, sph__edge_tie(b, *edge));
         if (status != SPH_OK) return status;
     }
 }
@@ -264,7 +181,7 @@ static sph_status make_sphere(sph__builder *b, uint32_t edge, uint32_t nu, uint3
         return SPH_OK;
     }
     if (b->exact_edge != edge) {
-        const sph_status status = sph__union_frame_widths(b, slot_of(b, nu), slot_of(b, nv), b->union_widths);
+        const sph_status status = sph__union_frame_widths(b, &b->extents, sph__slot_of(b, nu), sph__slot_of(b, nv), b->union_widths);
         if (status != SPH_OK) return status;
         b->exact_edge = edge;
     }
@@ -282,12 +199,13 @@ static sph_status step(sph__builder *b)
     status = next_edge(b, &edge, &cost, &forced);
     if (status != SPH_OK) return status;
     candidate = &b->candidates[edge];
-    edge_ends(b, edge, &u, &v);
-    status = make_sphere(b, edge, u, v);
+    sph__edge_ends(b, edge, &u, &v);
+    status = need_ends(b, edge);
+    if (status == SPH_OK) status = make_sphere(b, edge, u, v);
     if (status != SPH_OK) return status;
     if (!forced && (inverts_around(b, u, v) || inverts_around(b, v, u))) {
         candidate->refused = 1;
-        return sph__heap_set(&b->refused, edge, cost, edge_tie(b, edge));
+        return sph__heap_set(&b->refused, edge, cost, sph__edge_tie(b, edge));
     }
     return collapse(b, u, v, candidate, forced);
 }
@@ -296,11 +214,12 @@ sph_status sph__decimate(sph__builder *b)
 {
     sph_status status;
     b->new_center = sph__zalloc(b->context, b->node_floats, sizeof(float));
-    if (b->new_center == NULL) return sph__fail_memory(b->context);
+    b->new_block = sph__alloc(b->context, SPH__BLOCK_ROWS, b->stride * sizeof(float));
+    if (b->new_center == NULL || b->new_block == NULL) return sph__fail_memory(b->context);
     status = sph__heap_reserve(&b->refused, b->mesh.edge_count);
     if (status != SPH_OK) return status;
     sph__progress_part(&b->progress, 0.2);
-    status = fill_queue(b);
+    status = sph__fill_queue(b);
     sph__progress_part(&b->progress, 0.6);
     while (status == SPH_OK && (sph__heap_count(&b->queue) > 0 || sph__heap_count(&b->refused) > 0)) {
         if (b->h->collapse_count % 64 == 0)

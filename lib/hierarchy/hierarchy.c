@@ -66,17 +66,25 @@ static sph_status allocate_hierarchy(sph__builder *b)
     return SPH_OK;
 }
 
+/* What blocks and the centres of collapses may take, in sizes of the input, where leaves can do without blocks. */
+#define BLOCK_SHARE 2.0
+
 static sph_status allocate_builder(sph__builder *b)
 {
+    size_t block_size;
     b->slots = sph__zalloc(b->context, b->n, sizeof *b->slots);
     b->slot_of = sph__alloc(b->context, 2 * (size_t)b->n - 1, sizeof *b->slot_of);
     b->next_member = sph__alloc(b->context, b->n, sizeof *b->next_member);
-    b->member_stamps = sph__zalloc(b->context, b->n, sizeof *b->member_stamps);
-    sph__blocks_init(&b->blocks, b->context,
-                     (SPH__BLOCK_ROWS + (b->h->radii_per_frame ? SPH__FRAME_ROWS : 0)) * b->stride);
+    b->leaf_rows = b->h->radii_per_frame ? SPH__BLOCK_ROWS : SPH__LEAF_ROWS;
+    block_size = (SPH__BLOCK_ROWS + (b->h->radii_per_frame ? (size_t)SPH__FRAME_ROWS : 0)) * b->stride;
+    sph__slabs_init(&b->slabs, b->context, block_size, b->n);
+    sph__blocks_init(&b->blocks, &b->slabs, b->slots, block_size);
+    sph__blocks_init(&b->leaf_blocks, &b->slabs, b->slots, b->leaf_rows * b->stride);
+    b->block_budget = (size_t)((double)b->n * b->node_floats * sizeof(float) * BLOCK_SHARE);
+    sph__limit_leaves(b);
     sph__heap_init(&b->queue, b->animation->context);
     sph__heap_init(&b->refused, b->animation->context);
-    if (b->slots == NULL || b->slot_of == NULL || b->next_member == NULL || b->member_stamps == NULL)
+    if (b->slots == NULL || b->slot_of == NULL || b->next_member == NULL)
         return sph__fail_memory(b->context);
     return SPH_OK;
 }
@@ -90,19 +98,17 @@ static void free_builder(sph__builder *b)
     sph__free(context, b->vertex_cells);
     sph__free(context, b->importance);
     sph__free(context, b->directions);
-    sph__free(context, b->width_bounds);
     sph__free(context, b->next_member);
-    sph__free(context, b->member_stamps);
     sph__free(context, b->direction_rows);
     sph__free(context, b->probes);
-    sph__free(context, b->least);
-    sph__free(context, b->vertices);
-    sph__free(context, b->vertex_places);
-    sph__free(context, b->place_stamps);
-    sph__free(context, b->points);
-    sph__free(context, b->placed);
+    sph__free(context, b->probe_bounds);
     sph__free(context, b->cell_open);
-    if (b->blocks.context != NULL) sph__blocks_free(&b->blocks);
+    sph__extents_free(b, &b->extents);
+    if (b->slabs.context != NULL) {
+        sph__blocks_free(&b->blocks);
+        sph__blocks_free(&b->leaf_blocks);
+        sph__slabs_free(&b->slabs);
+    }
     sph__free(context, b->slots);
     sph__free(context, b->slot_of);
     sph__free(context, b->means);
@@ -111,6 +117,7 @@ static void free_builder(sph__builder *b)
     sph__heap_free(&b->queue);
     sph__heap_free(&b->refused);
     sph__free(context, b->new_center);
+    sph__free(context, b->new_block);
     sph__free(context, b->new_radii);
     sph__free(context, b->union_widths);
     sph__free(context, b->births.edges);

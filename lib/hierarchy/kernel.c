@@ -12,13 +12,17 @@ typedef struct frame_quadric {
     sph__v8d sum_b, sum_c; /* what the shift of v adds to B and c */
 } frame_quadric;
 
+/* Eight frames of a row, from where they begin in the block. */
+#define row(frames, number) sph__load(frames, (number) * SPH__LANES)
+
 SPH__INLINE void unite_frames(const sph__region *u, const sph__region *v, size_t s, size_t i, double offset,
                               frame_quadric *q)
 {
-    const float *a = u->block, *e = v->block;
-    const sph__v8d v00 = sph__load(e, i), v01 = sph__load(e, s + i), v02 = sph__load(e, 2 * s + i);
-    const sph__v8d v11 = sph__load(e, 3 * s + i), v12 = sph__load(e, 4 * s + i), v22 = sph__load(e, 5 * s + i);
-    const sph__v8d n0 = sph__load(e, 6 * s + i), n1 = sph__load(e, 7 * s + i), n2 = sph__load(e, 8 * s + i);
+    const float *a = u->block + i * (u->leaf ? SPH__LEAF_ROWS : SPH__BLOCK_ROWS);
+    const float *e = v->block + i * (v->leaf ? SPH__LEAF_ROWS : SPH__BLOCK_ROWS);
+    const sph__v8d v00 = row(e, SPH__M00), v01 = row(e, SPH__M01), v02 = row(e, SPH__M02);
+    const sph__v8d v11 = row(e, SPH__M11), v12 = row(e, SPH__M12), v22 = row(e, SPH__M22);
+    const sph__v8d n0 = row(e, SPH__N0), n1 = row(e, SPH__N1), n2 = row(e, SPH__N2);
     const sph__v8d d0 = sph__load(v->center, i) - sph__load(u->center, i);
     const sph__v8d d1 = sph__load(v->center, s + i) - sph__load(u->center, s + i);
     const sph__v8d d2 = sph__load(v->center, 2 * s + i) - sph__load(u->center, 2 * s + i);
@@ -29,26 +33,26 @@ SPH__INLINE void unite_frames(const sph__region *u, const sph__region *v, size_t
     sph__v8d c = 0.5 * (t0 * d0 + t1 * d1 + t2 * d2) + offset * nd;
     sph__v8d b0 = t0 + offset * n0, b1 = t1 + offset * n1, b2 = t2 + offset * n2;
     if (!v->leaf) {
-        const sph__v8d e0 = sph__load(e, 9 * s + i), e1 = sph__load(e, 10 * s + i), e2 = sph__load(e, 11 * s + i);
+        const sph__v8d e0 = row(e, SPH__B0), e1 = row(e, SPH__B1), e2 = row(e, SPH__B2);
         c += e0 * d0 + e1 * d1 + e2 * d2;
         b0 += e0;
         b1 += e1;
         b2 += e2;
     }
     if (!u->leaf) {
-        b0 += sph__load(a, 9 * s + i);
-        b1 += sph__load(a, 10 * s + i);
-        b2 += sph__load(a, 11 * s + i);
+        b0 += row(a, SPH__B0);
+        b1 += row(a, SPH__B1);
+        b2 += row(a, SPH__B2);
     }
-    q->m00 = sph__load(a, i) + v00;
-    q->m01 = sph__load(a, s + i) + v01;
-    q->m02 = sph__load(a, 2 * s + i) + v02;
-    q->m11 = sph__load(a, 3 * s + i) + v11;
-    q->m12 = sph__load(a, 4 * s + i) + v12;
-    q->m22 = sph__load(a, 5 * s + i) + v22;
-    q->n0 = sph__load(a, 6 * s + i) + n0;
-    q->n1 = sph__load(a, 7 * s + i) + n1;
-    q->n2 = sph__load(a, 8 * s + i) + n2;
+    q->m00 = row(a, SPH__M00) + v00;
+    q->m01 = row(a, SPH__M01) + v01;
+    q->m02 = row(a, SPH__M02) + v02;
+    q->m11 = row(a, SPH__M11) + v11;
+    q->m12 = row(a, SPH__M12) + v12;
+    q->m22 = row(a, SPH__M22) + v22;
+    q->n0 = row(a, SPH__N0) + n0;
+    q->n1 = row(a, SPH__N1) + n1;
+    q->n2 = row(a, SPH__N2) + n2;
     q->b0 = b0;
     q->b1 = b1;
     q->b2 = b2;
@@ -64,8 +68,8 @@ SPH__INLINE void add_coherence(const sph__region *u, const sph__region *v, size_
                                frame_quadric *q)
 {
     const sph__v8d au = sph__load(u->mean, 3 * s + i), av = sph__load(v->mean, 3 * s + i);
-    const sph__v8d area = au + av, weight = 2 * delta * area;
-    const sph__v8i some = area > 0;
+    const sph__v8d zero = {0}, area = au + av, weight = 2 * delta * area;
+    const sph__v8i some = sph__greater(area, zero);
     const sph__v8d share = sph__select(some, av / area, area);
     sph__v8d x[3];
     for (size_t k = 0; k < 3; ++k) {
@@ -98,7 +102,7 @@ SPH__INLINE void invert_frames(const frame_quadric *q, frame_inverse *v)
     v->a12 = q->m01 * q->m02 - q->m00 * q->m12;
     v->a22 = q->m00 * q->m11 - q->m01 * q->m01;
     det = q->m00 * v->a00 + q->m01 * v->a01 + q->m02 * v->a02;
-    v->regular = det > SPH__DEGENERATE * (third * third * third);
+    v->regular = sph__greater(det, SPH__DEGENERATE * (third * third * third));
     v->inverse = sph__select(v->regular, 1.0 / det, det - det);
 }
 
@@ -206,6 +210,7 @@ SPH__CLONES static void unite_clones(const sph__region *u, const sph__region *v,
     for (size_t i = 0; i < s; i += SPH__LANES) {
         frame_quadric q;
         sph__v8d x0, x1, x2, t0, t1, t2, nq;
+        float *to = block + i * SPH__BLOCK_ROWS;
         unite_frames(u, v, s, i, offset, &q);
         sum_b += q.sum_b;
         sum_c += q.sum_c;
@@ -218,18 +223,18 @@ SPH__CLONES static void unite_clones(const sph__region *u, const sph__region *v,
         nq = q.n0 * x0 + q.n1 * x1 + q.n2 * x2;
         sum_nq += nq;
         sum_q += 0.5 * (t0 * x0 + t1 * x1 + t2 * x2) + r * nq - (q.b0 * x0 + q.b1 * x1 + q.b2 * x2);
-        sph__store(block, i, q.m00);
-        sph__store(block, s + i, q.m01);
-        sph__store(block, 2 * s + i, q.m02);
-        sph__store(block, 3 * s + i, q.m11);
-        sph__store(block, 4 * s + i, q.m12);
-        sph__store(block, 5 * s + i, q.m22);
-        sph__store(block, 6 * s + i, q.n0);
-        sph__store(block, 7 * s + i, q.n1);
-        sph__store(block, 8 * s + i, q.n2);
-        sph__store(block, 9 * s + i, q.b0 - t0 - r * q.n0);
-        sph__store(block, 10 * s + i, q.b1 - t1 - r * q.n1);
-        sph__store(block, 11 * s + i, q.b2 - t2 - r * q.n2);
+        sph__store(to, SPH__M00 * SPH__LANES, q.m00);
+        sph__store(to, SPH__M01 * SPH__LANES, q.m01);
+        sph__store(to, SPH__M02 * SPH__LANES, q.m02);
+        sph__store(to, SPH__M11 * SPH__LANES, q.m11);
+        sph__store(to, SPH__M12 * SPH__LANES, q.m12);
+        sph__store(to, SPH__M22 * SPH__LANES, q.m22);
+        sph__store(to, SPH__N0 * SPH__LANES, q.n0);
+        sph__store(to, SPH__N1 * SPH__LANES, q.n1);
+        sph__store(to, SPH__N2 * SPH__LANES, q.n2);
+        sph__store(to, SPH__B0 * SPH__LANES, q.b0 - t0 - r * q.n0);
+        sph__store(to, SPH__B1 * SPH__LANES, q.b1 - t1 - r * q.n1);
+        sph__store(to, SPH__B2 * SPH__LANES, q.b2 - t2 - r * q.n2);
     }
     out[0] = sph__sum(sum_b);
     out[1] = sph__sum(sum_c);
@@ -256,6 +261,7 @@ SPH__CLONES static double inversion_clones(const float *p, const float *q, const
 {
     sph__v8d sum = {0};
     for (size_t i = 0; i < s; i += SPH__LANES) {
+        const sph__v8d zero = {0};
         sph__v8d e[3], f[3], g[3], n[3], m[3], dot, squared, root;
         for (size_t k = 0; k < 3; ++k) {
             const sph__v8d o = sph__load(p, k * s + i);
@@ -271,8 +277,9 @@ SPH__CLONES static double inversion_clones(const float *p, const float *q, const
         dot = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
         squared = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
         /* sqrt(A A') n.n' = (N.N') / (2 sqrt(|N| |N'|)) with N twice the area times the normal */
-        for (size_t l = 0; l < SPH__LANES; ++l) root[l] = sqrt(sqrt(squared[l]));
-        sum += sph__select(squared > 0, dot / root, squared - squared);
+        root = sph__root(squared);
+        root = sph__root(root);
+        sum += sph__select(sph__greater(squared, zero), dot / root, squared - squared);
     }
     return 0.5 * sph__sum(sum);
 }
@@ -285,8 +292,8 @@ double sph__kernel_inversion(const float *p, const float *q, const float *before
 void sph__kernel_unite_means(const float *u, const float *v, size_t stride, float *out)
 {
     for (size_t i = 0; i < stride; i += SPH__LANES) {
-        const sph__v8d au = sph__load(u, 3 * stride + i), av = sph__load(v, 3 * stride + i), area = au + av;
-        const sph__v8d share = sph__select(area > 0, av / area, area);
+        const sph__v8d zero = {0}, au = sph__load(u, 3 * stride + i), av = sph__load(v, 3 * stride + i), area = au + av;
+        const sph__v8d share = sph__select(sph__greater(area, zero), av / area, area);
         for (size_t k = 0; k < 3; ++k) {
             const sph__v8d mu = sph__load(u, k * stride + i), mv = sph__load(v, k * stride + i);
             sph__store(out, k * stride + i, mu + share * (mv - mu));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The loops over frames. All take rows of `stride` floats (a multiple of SPH__LANES, padded with zeros), allocate nothing
- * and cannot fail.
+ * and cannot fail. A block goes through memory as the loops do: eight frames of all its rows, then the next eight.
  *
  * A region's quadric is kept relative to its own animated sphere (q0, r0): the value there is its cost, and the gradient
  * there is almost nothing. That, rather than an anchor at a vertex, is what lets 32 bits hold the matrices.
@@ -20,6 +20,12 @@ enum { SPH__M00, SPH__M01, SPH__M02, SPH__M11, SPH__M12, SPH__M22, SPH__N0, SPH_
        SPH__BLOCK_ROWS,
        SPH__LEAF_ROWS = SPH__B0 };
 
+/* The place of a row's frame in a block of `rows` rows. */
+static inline size_t sph__block_place(size_t rows, size_t row, size_t frame)
+{
+    return (frame / SPH__LANES * rows + row) * SPH__LANES + frame % SPH__LANES;
+}
+
 /* One region as the kernels see it. */
 typedef struct sph__region {
     const float *block;    /* rows of the quadric */
@@ -27,7 +33,7 @@ typedef struct sph__region {
     const float *mean;     /* x, y, z and area rows of temporal coherence; NULL without it */
     double radius;         /* of the sphere; its offset in r */
     double w, b, c;        /* scalars of the quadric relative to the sphere */
-    int leaf;              /* 1: the b rows are zero and not read */
+    int leaf;              /* 1: the b rows are zero and not there: the block has SPH__LEAF_ROWS rows */
 } sph__region;
 
 /* What a pass over the frames of the united quadric yields; all relative to the sphere of u. */
@@ -53,7 +59,7 @@ void sph__kernel_centers(const sph__region *u, const sph__region *v, size_t stri
                          double radius, float *center);
 
 /*
- * Writes the united quadric relative to the sphere (center, radius). `block` may be that of u or v. The scalars come from
+ * Writes the united quadric relative to the sphere (center, radius). `block` may be that of u or v if it is no leaf. The scalars come from
  * sums of the same two regions without coherence terms.
  */
 void sph__kernel_unite(const sph__region *u, const sph__region *v, size_t stride, const float *center, double radius,

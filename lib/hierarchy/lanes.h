@@ -25,13 +25,29 @@ typedef int64_t sph__v8i __attribute__((vector_size(64)));
 
 /*
  * Macros and pointers, not functions of vectors: in a clone, clang refuses to pass a vector to a function that is compiled
- * for another instruction set, inlined or not.
+ * for another instruction set, inlined or not. Each is written the way that gcc finds the instruction for: it would
+ * convert wide vectors by halves, and compare them lane by lane where the machine's vectors are narrower.
  */
-#define sph__load(row, i) __builtin_convertvector(*(const sph__v8f *)((row) + (i)), sph__v8d)
-#define sph__store(row, i, value) \
-    ((void)(*(sph__v8f *)((row) + (i)) = __builtin_convertvector((sph__v8d)(value), sph__v8f)))
+#define sph__widen(x) \
+    __extension__({ \
+        const sph__v8f x_ = (x); \
+        (sph__v8d){(double)x_[0], (double)x_[1], (double)x_[2], (double)x_[3], \
+                   (double)x_[4], (double)x_[5], (double)x_[6], (double)x_[7]}; \
+    })
+#define sph__narrow(x) __builtin_convertvector((sph__v8d)(x), sph__v8f)
+#define sph__load(row, i) sph__widen(*(const sph__v8f *)((row) + (i)))
+#define sph__store(row, i, value) ((void)(*(sph__v8f *)((row) + (i)) = sph__narrow(value)))
+/* A mask: where x > y. */
+#define sph__greater(x, y) ((x) > (y))
 /* `a` where the mask is set, else `b`. */
 #define sph__select(mask, a, b) ((sph__v8d)(((mask) & (sph__v8i)(a)) | (~(mask) & (sph__v8i)(b))))
+#define sph__root(x) \
+    __extension__({ \
+        const sph__v8d x_ = (x); \
+        sph__v8d r_; \
+        for (size_t l_ = 0; l_ < SPH__LANES; ++l_) r_[l_] = sqrt(x_[l_]); \
+        r_; \
+    })
 /* The sum of the lanes of a variable. */
 #define sph__sum(v) sph__sum_lanes(&(v))
 

@@ -1,64 +1,94 @@
 /* SPDX-License-Identifier: MIT */
 /* The regions of single vertices: their quadrics, from the triangles around them. */
-#include <math.h>
+#include "hierarchy/caps.h"
 
-#include "hierarchy/build.h"
-#include "hierarchy/lanes.h"
+/* Triangles whose planes are added in one pass over the frames. */
+enum { FAN = 16 };
 
-/* Adds one triangle's plane, of every frame, to the quadric of its corner p. `weights` are 2/3 times the importance. */
-SPH__CLONES static double add_triangle(const float *p, const float *q, const float *r, size_t s, double weight,
-                                       const float *weights, float *block)
+/* The triangles of a fan: the rows of v, and of the two other corners of each. */
+typedef struct fan {
+    const float *center;
+    const float *corners[FAN][2];
+    size_t count;
+    double weight;        /* 1/3 of the importance */
+    const float *weights; /* per frame besides; may be NULL */
+    double cap_weight;    /* above 0: these are all triangles, and their angles make a cap */
+} fan;
+
+/* The plane of one triangle (p, q, r) in eight frames, added to a leaf's quadric at the precision it is kept with. */
+SPH__INLINE void add_plane(const fan *f, size_t t, size_t s, size_t i, sph__v8f sums[SPH__LEAF_ROWS], sph__v8d *total,
+                           sph__v8d *angles)
 {
-    sph__v8d total = {0};
-    for (size_t i = 0; i < s; i += SPH__LANES) {
-        const sph__v8d px = sph__load(p, i), py = sph__load(p, s + i), pz = sph__load(p, 2 * s + i);
-        const sph__v8d ex = sph__load(q, i) - px, ey = sph__load(q, s + i) - py, ez = sph__load(q, 2 * s + i) - pz;
-        const sph__v8d fx = sph__load(r, i) - px, fy = sph__load(r, s + i) - py, fz = sph__load(r, 2 * s + i) - pz;
-        const sph__v8d nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
-        const sph__v8d squared = nx * nx + ny * ny + nz * nz;
-        sph__v8d length, scale, w = {0};
-        for (size_t l = 0; l < SPH__LANES; ++l) length[l] = sqrt(squared[l]);
-        w += weight;
-        if (weights != NULL) w *= sph__load(weights, i);
-        /* w = weight * area: N = 2 w n = weight' * (length / 2) n */
-        scale = sph__select(squared > 0, w / length, squared - squared);
-        total += w * length;
-        sph__store(block, 0 * s + i, sph__load(block, 0 * s + i) + scale * nx * nx);
-        sph__store(block, 1 * s + i, sph__load(block, 1 * s + i) + scale * nx * ny);
-        sph__store(block, 2 * s + i, sph__load(block, 2 * s + i) + scale * nx * nz);
-        sph__store(block, 3 * s + i, sph__load(block, 3 * s + i) + scale * ny * ny);
-        sph__store(block, 4 * s + i, sph__load(block, 4 * s + i) + scale * ny * nz);
-        sph__store(block, 5 * s + i, sph__load(block, 5 * s + i) + scale * nz * nz);
-        sph__store(block, 6 * s + i, sph__load(block, 6 * s + i) + w * nx);
-        sph__store(block, 7 * s + i, sph__load(block, 7 * s + i) + w * ny);
-        sph__store(block, 8 * s + i, sph__load(block, 8 * s + i) + w * nz);
+    const float *p = f->center, *q = f->corners[t][0], *r = f->corners[t][1];
+    const sph__v8d px = sph__load(p, i), py = sph__load(p, s + i), pz = sph__load(p, 2 * s + i);
+    const sph__v8d ex = sph__load(q, i) - px, ey = sph__load(q, s + i) - py, ez = sph__load(q, 2 * s + i) - pz;
+    const sph__v8d fx = sph__load(r, i) - px, fy = sph__load(r, s + i) - py, fz = sph__load(r, 2 * s + i) - pz;
+    const sph__v8d nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
+    const sph__v8d squared = nx * nx + ny * ny + nz * nz;
+    const sph__v8d zero = {0};
+    sph__v8d length, scale, w = zero;
+    length = sph__root(squared);
+    w += f->weight;
+    if (f->weights != NULL) w *= sph__load(f->weights, i);
+    /* w = weight * area: N = 2 w n = weight' * (length / 2) n, and 2 * area / 3 = length / 3 */
+    scale = sph__select(sph__greater(squared, zero), w / length, squared - squared);
+    *total += w * length;
+#define add(row, x) sums[row] = sph__narrow(sph__widen(sums[row]) + (x))
+    add(SPH__M00, scale * nx * nx);
+    add(SPH__M01, scale * nx * ny);
+    add(SPH__M02, scale * nx * nz);
+    add(SPH__M11, scale * ny * ny);
+    add(SPH__M12, scale * ny * nz);
+    add(SPH__M22, scale * nz * nz);
+    add(SPH__N0, w * nx);
+    add(SPH__N1, w * ny);
+    add(SPH__N2, w * nz);
+#undef add
+    if (f->cap_weight > 0) {
+        const sph__v8d cosine = ex * fx + ey * fy + ez * fz;
+        sph__add_angle(&cosine, &length, angles);
     }
-    return sph__sum(total);
+}
+
+/* Adds the planes of a fan to the leaf rows of a block of `rows` rows; the sum over frames of each one's W, and at the end
+ * of the cap's, into `w`. */
+SPH__CLONES static void add_fan(const fan *f, size_t s, size_t rows, bool first, float *block, double w[FAN + 1])
+{
+    sph__v8d totals[FAN + 1] = {{0}};
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        float *to = block + i * rows;
+        sph__v8f sums[SPH__LEAF_ROWS] = {{0}};
+        sph__v8d angles = {0};
+        if (!first) memcpy(sums, to, sizeof sums);
+        for (size_t t = 0; t < f->count; ++t) add_plane(f, t, s, i, sums, &totals[t], &angles);
+        memcpy(to, sums, sizeof sums);
+        if (f->cap_weight > 0) sph__add_cap_plane(&angles, f->cap_weight, to, &totals[f->count]);
+        if (first && rows > SPH__LEAF_ROWS)
+            memset(to + SPH__LEAF_ROWS * SPH__LANES, 0, (rows - SPH__LEAF_ROWS) * sizeof sums[0]);
+    }
+    for (size_t t = 0; t <= f->count; ++t) w[t] = sph__sum(totals[t]);
 }
 
 /* The quadric of vertex v into the leaf rows of `block`; returns W. */
 static double make_leaf(const sph__builder *b, uint32_t v, float *block)
 {
-    const size_t s = b->stride;
-    double w = 0;
-    memset(block, 0, SPH__BLOCK_ROWS * s * sizeof *block);
-    for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
-        const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[i];
-        const unsigned at = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
-        const float *weights = b->importance_per_frame ? b->importance + v * s : NULL;
-        const double k = b->importance != NULL && !b->importance_per_frame ? (double)b->importance[v] : 1;
-        /* 2 * area / 3 = length / 3 */
-        w += add_triangle(sph__node_center(b, v), sph__node_center(b, corner[(at + 1) % 3]),
-                          sph__node_center(b, corner[(at + 2) % 3]), s, k / 3, weights, block);
-    }
-    if (b->options.importance == SPH_IMPORTANCE_CURVATURE) w += sph__add_cap(b, v, block);
-    return w;
-}
-
-static void make_range(void *argument, size_t begin, size_t end)
-{
-    sph__builder *b = argument;
-    for (size_t v = begin; v < end; ++v) b->slots[v].w = make_leaf(b, (uint32_t)v, b->slots[v].block);
+    fan f = {.center = sph__node_center(b, v), .weights = b->importance_per_frame ? b->importance + v * b->stride : NULL};
+    double w = 0, each[FAN + 1];
+    size_t at = b->cell_starts[v];
+    f.weight = (b->importance != NULL && !b->importance_per_frame ? (double)b->importance[v] : 1) / 3;
+    f.cap_weight = b->cell_starts[v + 1] - at <= FAN ? sph__cap_weight(b, v) : 0;
+    do {
+        const bool first = at == b->cell_starts[v];
+        for (f.count = 0; f.count < FAN && at < b->cell_starts[v + 1]; ++f.count, ++at) {
+            uint32_t next, previous;
+            sph__cell_others(b, at, v, &next, &previous);
+            f.corners[f.count][0] = sph__node_center(b, next);
+            f.corners[f.count][1] = sph__node_center(b, previous);
+        }
+        add_fan(&f, b->stride, b->leaf_rows, first, block, each);
+        for (size_t t = 0; t < f.count; ++t) w += each[t];
+    } while (at < b->cell_starts[v + 1]);
+    return w + (f.cap_weight > 0 ? each[f.count] : sph__add_cap(b, v, block));
 }
 
 /* Area of v's cell and its mean (the vertex itself) per frame. */
@@ -96,13 +126,27 @@ static sph_status make_means(sph__builder *b)
     return SPH_OK;
 }
 
+static void fill_range(void *argument, size_t begin, size_t end)
+{
+    const sph__builder *b = argument;
+    for (size_t v = begin; v < end; ++v) sph__fill_leaf(b, (uint32_t)v);
+}
+
+/* With radii per frame all leaves have blocks from the start. */
+static sph_status make_blocks(sph__builder *b)
+{
+    enum { GRAIN = 64 };
+    for (uint32_t v = 0; v < b->n; ++v)
+        if (!sph__blocks_take(&b->blocks, v)) return sph__fail_memory(b->context);
+    sph__parallel_for(b->context, b->n, GRAIN, fill_range, b);
+    return SPH_OK;
+}
+
 sph_status sph__make_leaves(sph__builder *b)
 {
-    enum { BATCH = 4096, GRAIN = 64 };
+    sph_status status = SPH_OK;
     for (uint32_t v = 0; v < b->n; ++v) {
-        sph__slot *slot = &b->slots[v];
-        *slot = (sph__slot){.node = v, .first = v, .last = v, .count = 1, .block = sph__blocks_take(&b->blocks)};
-        if (slot->block == NULL) return sph__fail_memory(b->context);
+        b->slots[v] = (sph__slot){.node = v, .first = v, .last = v, .count = 1};
         b->slot_of[v] = v;
         b->next_member[v] = SPH__NO_NODE;
         if (b->h->radii_per_frame)
@@ -110,9 +154,74 @@ sph_status sph__make_leaves(sph__builder *b)
         else
             b->h->radii[v] = 0;
     }
-    sph__parallel_for(b->context, b->n, GRAIN, make_range, b);
-    for (uint32_t v = 0; v < b->n; ++v) b->live_weight += b->slots[v].w;
-    return b->coherence > 0 ? make_means(b) : SPH_OK;
+    if (b->h->radii_per_frame) status = make_blocks(b);
+    return status == SPH_OK && b->coherence > 0 ? make_means(b) : status;
+}
+
+/* --- leaves come and go --- */
+
+void sph__release_leaves(sph__builder *b)
+{
+    if (++b->pin != 0) return;
+    for (uint32_t v = 0; v < b->n; ++v) b->slots[v].pin = 0;
+    b->pin = 1;
+}
+
+/* The slot of a leaf whose block is not needed now and was not of late; SPH__NO_NODE where all are held. */
+static uint32_t find_idle(sph__builder *b)
+{
+    for (size_t i = 0; i < 2 * b->leaf_blocks.count; ++i) {
+        sph__slot *slot;
+        if (b->leaf_hand >= b->leaf_blocks.count) b->leaf_hand = 0;
+        slot = &b->slots[b->leaf_blocks.owners[b->leaf_hand++]];
+        if (slot->pin == b->pin) continue;
+        if (!slot->used) return (uint32_t)(slot - b->slots);
+        slot->used = 0;
+    }
+    return SPH__NO_NODE;
+}
+
+sph_status sph__hold_leaf(sph__builder *b, uint32_t node, bool *fresh)
+{
+    sph__slot *slot;
+    uint32_t idle;
+    *fresh = false;
+    if (node >= b->n || b->h->radii_per_frame) return SPH_OK;
+    slot = &b->slots[node]; /* a leaf is in its own */
+    slot->pin = b->pin;
+    slot->used = slot->block != NULL;
+    if (slot->block != NULL) return SPH_OK;
+    *fresh = true;
+    idle = b->leaf_blocks.count < b->leaf_capacity ? SPH__NO_NODE : find_idle(b);
+    if (idle != SPH__NO_NODE)
+        sph__blocks_pass(&b->leaf_blocks, idle, node);
+    else if (!sph__blocks_take(&b->leaf_blocks, node))
+        return sph__fail_memory(b->context);
+    return SPH_OK;
+}
+
+void sph__fill_leaf(const sph__builder *b, uint32_t v)
+{
+    b->slots[v].w = make_leaf(b, v, b->slots[v].block);
+}
+
+sph_status sph__need_leaf(sph__builder *b, uint32_t node)
+{
+    bool fresh;
+    const sph_status status = sph__hold_leaf(b, node, &fresh);
+    if (status == SPH_OK && fresh) sph__fill_leaf(b, node);
+    return status;
+}
+
+void sph__limit_leaves(sph__builder *b)
+{
+    enum { LEAST = 1024 };
+    const size_t collapses = b->h->collapse_count * b->node_floats * sizeof(float);
+    const size_t regions = sph__blocks_bytes(&b->blocks) + collapses, block = b->leaf_blocks.size * sizeof(float);
+    const size_t left = regions < b->block_budget ? (b->block_budget - regions) / block : 0;
+    b->leaf_capacity = left < LEAST ? LEAST : left;
+    while (b->leaf_blocks.count > b->leaf_capacity)
+        sph__blocks_give(&b->leaf_blocks, b->leaf_blocks.owners[b->leaf_blocks.count - 1]);
 }
 
 sph__region sph__region_of(const sph__builder *b, uint32_t node)

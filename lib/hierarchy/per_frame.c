@@ -13,6 +13,11 @@ typedef struct frame_quadric {
     double m[6], n[3], b[3], d[3], w, s, c; /* s: the scalar B */
 } frame_quadric;
 
+static float *entry(float *block, size_t row, size_t frame)
+{
+    return block + sph__block_place(SPH__BLOCK_ROWS, row, frame);
+}
+
 static double radius_of(const sph__builder *b, uint32_t node, size_t f)
 {
     return (double)b->h->radii[node * b->stride + f];
@@ -32,12 +37,12 @@ static double dot(const double x[3], const double y[3])
 
 static void load_frame(const sph__builder *b, uint32_t node, size_t f, frame_quadric *q)
 {
-    const float *block = b->slots[b->slot_of[node]].block;
+    float *block = b->slots[b->slot_of[node]].block;
     const size_t s = b->stride;
-    for (size_t k = 0; k < 6; ++k) q->m[k] = block[(SPH__M00 + k) * s + f];
+    for (size_t k = 0; k < 6; ++k) q->m[k] = *entry(block, SPH__M00 + k, f);
     for (size_t k = 0; k < 3; ++k) {
-        q->n[k] = block[(SPH__N0 + k) * s + f];
-        q->b[k] = block[(SPH__B0 + k) * s + f];
+        q->n[k] = *entry(block, SPH__N0 + k, f);
+        q->b[k] = *entry(block, SPH__B0 + k, f);
     }
     q->w = block[SPH__BLOCK_ROWS * s + f];
     q->s = block[(SPH__BLOCK_ROWS + 1) * s + f];
@@ -157,10 +162,10 @@ double sph__per_frame_unite(sph__builder *b, uint32_t u, uint32_t v)
         for (size_t k = 0; k < 3; ++k) x[k] = (double)b->new_center[k * s + f] - sph__node_center(b, u)[k * s + f];
         multiply(q.m, x, t);
         c = q.c + 0.5 * dot(t, x) - dot(q.b, x) + r * (dot(q.n, x) + 0.5 * r * q.w - q.s);
-        for (size_t k = 0; k < 6; ++k) block[(SPH__M00 + k) * s + f] = (float)q.m[k];
+        for (size_t k = 0; k < 6; ++k) *entry(block, SPH__M00 + k, f) = (float)q.m[k];
         for (size_t k = 0; k < 3; ++k) {
-            block[(SPH__N0 + k) * s + f] = (float)q.n[k];
-            block[(SPH__B0 + k) * s + f] = (float)(q.b[k] - t[k] - r * q.n[k]);
+            *entry(block, SPH__N0 + k, f) = (float)q.n[k];
+            *entry(block, SPH__B0 + k, f) = (float)(q.b[k] - t[k] - r * q.n[k]);
         }
         block[SPH__BLOCK_ROWS * s + f] = (float)q.w;
         block[(SPH__BLOCK_ROWS + 1) * s + f] = (float)(q.s - dot(q.n, x) - r * q.w);
@@ -181,7 +186,7 @@ sph_status sph__per_frame_start(sph__builder *b)
     for (uint32_t v = 0; v < b->n; ++v) {
         float *block = b->slots[v].block;
         for (size_t f = 0; f < s; ++f) {
-            block[SPH__BLOCK_ROWS * s + f] = block[f] + block[SPH__M11 * s + f] + block[SPH__M22 * s + f];
+            block[SPH__BLOCK_ROWS * s + f] = *entry(block, SPH__M00, f) + *entry(block, SPH__M11, f) + *entry(block, SPH__M22, f);
             block[(SPH__BLOCK_ROWS + 1) * s + f] = block[(SPH__BLOCK_ROWS + 2) * s + f] = 0;
         }
     }

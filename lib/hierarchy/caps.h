@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Importance from curvature. A sharp tip has almost no area, and the planes of its triangles do not show that it ends: a
+ * sphere may slide along them, and the tip is lost. What a tip does have is curvature: its normals cover a part of the
+ * sphere of directions. So each vertex of positive angle deficit (the Gaussian curvature of its cell) adds one plane
+ * more: through the vertex, along its normal, weighted by the deficit times SPH__CAP_RADIUS^2. That is the area of the
+ * cap over the tip on the surface that runs SPH__CAP_RADIUS outside the mesh. docs/importance.md tells of the choice.
+ */
+#ifndef SPH_HIERARCHY_CAPS_H
+#define SPH_HIERARCHY_CAPS_H
+
+#include <math.h>
+
+#include "hierarchy/build.h"
+#include "hierarchy/lanes.h"
+
+#define SPH__TWO_PI 6.283185307179586
+#define SPH__HALF_PI 1.5707963267948966
+
+#define SPH__DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
+
+/* The tangent of half the angle whose tangent is *t. */
+SPH__INLINE void sph__halve(sph__v8d *t)
+{
+    const sph__v8d square = 1.0 + *t * *t, root = sph__root(square);
+    *t = *t / (1.0 + root);
+}
+
+/* Adds the angle of (x, y), y >= 0, in [0, pi]; by halving the angle twice, and then its series, to 1e-9: no library
+ * function, so the same bits everywhere. 0 for the zero vector. */
+SPH__INLINE void sph__add_angle(const sph__v8d *x, const sph__v8d *y, sph__v8d *sum)
+{
+    const sph__v8d zero = {0};
+    const sph__v8i behind = sph__greater(zero, *x);
+    const sph__v8d size = sph__select(behind, -*x, *x);
+    const sph__v8i steep = sph__greater(*y, size);
+    const sph__v8d high = sph__select(steep, *y, size), low = sph__select(steep, size, *y);
+    sph__v8d t = sph__select(sph__greater(high, zero), low / high, high), t2, a;
+    sph__halve(&t);
+    sph__halve(&t);
+    t2 = t * t;
+    a = 4.0 * t *
+        (1.0 - t2 * (1.0 / 3 - t2 * (1.0 / 5 - t2 * (1.0 / 7 - t2 * (1.0 / 9 - t2 * (1.0 / 11 - t2 * (1.0 / 13)))))));
+    a = sph__select(steep, SPH__HALF_PI - a, a);
+    *sum += sph__select(behind, 2 * SPH__HALF_PI - a, a);
+}
+
+/* Adds the cap's plane in eight frames, from the sum of angles and the rows of the quadric without it: its part of W. */
+SPH__INLINE void sph__add_cap_plane(const sph__v8d *angles, double weight, float *eight, sph__v8d *total)
+{
+    const sph__v8d zero = {0}, most = zero + SPH__TWO_PI;
+    sph__v8i some;
+    sph__v8d n[3], length, w;
+#define row(number) sph__load(eight, (number) * SPH__LANES)
+    for (size_t k = 0; k < 3; ++k) n[k] = row(SPH__N0 + k);
+    length = SPH__DOT(n, n);
+    length = sph__root(length);
+    some = sph__greater(length, zero);
+    /* no angle at all is no tip but a vertex whose triangles have collapsed */
+    w = sph__select(some & sph__greater(*angles, zero) & sph__greater(most, *angles), weight * (SPH__TWO_PI - *angles), *angles * 0);
+    for (size_t k = 0; k < 3; ++k) n[k] = sph__select(some, n[k] / length, length);
+    *total += w;
+    sph__store(eight, SPH__M00 * SPH__LANES, row(SPH__M00) + w * n[0] * n[0]);
+    sph__store(eight, SPH__M01 * SPH__LANES, row(SPH__M01) + w * n[0] * n[1]);
+    sph__store(eight, SPH__M02 * SPH__LANES, row(SPH__M02) + w * n[0] * n[2]);
+    sph__store(eight, SPH__M11 * SPH__LANES, row(SPH__M11) + w * n[1] * n[1]);
+    sph__store(eight, SPH__M12 * SPH__LANES, row(SPH__M12) + w * n[1] * n[2]);
+    sph__store(eight, SPH__M22 * SPH__LANES, row(SPH__M22) + w * n[2] * n[2]);
+    for (size_t k = 0; k < 3; ++k)
+        sph__store(eight, (SPH__N0 + k) * SPH__LANES, row(SPH__N0 + k) + w * n[k]);
+#undef row
+}
+
+#endif

@@ -1,0 +1,374 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The exact width of a union, from the vertices of its regions. A few of its points, far apart, show for nearly all frames
+ * and directions that the least extent is not there; only for what is left are all points placed, frames in chunks, and
+ * each direction followed only until it shows not to be the thinnest.
+ */
+#include "hierarchy/widths.h"
+
+sph_status sph__extents_init(const sph__builder *b, sph__extents *e)
+{
+    *e = (sph__extents){.stamp = 0};
+    e->member_stamps = sph__zalloc(b->context, b->n, sizeof *e->member_stamps);
+    e->vertex_places = sph__alloc(b->context, b->n, sizeof *e->vertex_places);
+    e->place_stamps = sph__zalloc(b->context, b->n, sizeof *e->place_stamps);
+    e->witnesses = sph__alloc(b->context, 3 * (SPH__WITNESSES - 1), b->stride * sizeof *e->witnesses);
+    e->chunk_least = sph__alloc(b->context, b->stride / SPH__LANES, b->direction_stride * sizeof *e->chunk_least);
+    return e->member_stamps == NULL || e->vertex_places == NULL || e->place_stamps == NULL || e->witnesses == NULL ||
+                   e->chunk_least == NULL
+               ? sph__fail_memory(b->context)
+               : SPH_OK;
+}
+
+void sph__extents_free(const sph__builder *b, sph__extents *e)
+{
+    sph__free(b->context, e->member_stamps);
+    sph__free(b->context, e->vertex_places);
+    sph__free(b->context, e->place_stamps);
+    sph__free(b->context, e->vertices);
+    sph__free(b->context, e->points);
+    sph__free(b->context, e->placed);
+    sph__free(b->context, e->witnesses);
+    sph__free(b->context, e->chunk_least);
+}
+
+/* --- the points that a union's extents depend on --- */
+
+/* The place of vertex v among the vertices of the union's points. */
+static bool place_of(const sph__builder *b, sph__extents *e, uint32_t v, uint32_t *place)
+{
+    if (e->place_stamps[v] != e->stamp) {
+        if (!sph__reserve(b->context, (void **)&e->vertices, &e->vertex_capacity, e->vertex_count + 1,
+                          sizeof *e->vertices))
+            return false;
+        e->place_stamps[v] = e->stamp;
+        e->vertex_places[v] = (uint32_t)e->vertex_count;
+        e->vertices[e->vertex_count++] = v;
+    }
+    *place = e->vertex_places[v];
+    return true;
+}
+
+/* Makes the mean of three vertices a point, or of two where z is SPH__NO_NODE. */
+static bool add_point(const sph__builder *b, sph__extents *e, uint32_t x, uint32_t y, uint32_t z)
+{
+    uint32_t *point;
+    if (!sph__reserve(b->context, (void **)&e->points, &e->point_capacity, e->point_count + 1, sizeof *e->points))
+        return false;
+    point = e->points[e->point_count++];
+    point[2] = z;
+    return place_of(b, e, x, &point[0]) && place_of(b, e, y, &point[1]) &&
+           (z == SPH__NO_NODE || place_of(b, e, z, &point[2]));
+}
+
+/* The points of vertex v's cell: itself, and of the triangles that leave the region the midpoints and the centroid. */
+static bool add_cell(const sph__builder *b, sph__extents *e, uint32_t v)
+{
+    if (!add_point(b, e, v, v, SPH__NO_NODE)) return false;
+    for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
+        uint32_t x, y;
+        bool x_inside, y_inside;
+        sph__cell_others(b, i, v, &x, &y);
+        x_inside = e->member_stamps[x] == e->stamp;
+        y_inside = e->member_stamps[y] == e->stamp;
+        if (x_inside && y_inside) continue; /* within the hull of the region's vertices */
+        if (!x_inside && !add_point(b, e, v, x, SPH__NO_NODE)) return false;
+        if (!y_inside && b->cell_open[v] && !add_point(b, e, v, y, SPH__NO_NODE)) return false;
+        if (!(x_inside && x < v) && !(y_inside && y < v) && !add_point(b, e, v, x, y)) return false;
+    }
+    return true;
+}
+
+static bool add_region(const sph__builder *b, sph__extents *e, const sph__slot *slot)
+{
+    uint32_t v = slot->first;
+    for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v])
+        if (!add_cell(b, e, v)) return false;
+    return true;
+}
+
+static void mark_members(const sph__builder *b, sph__extents *e, const sph__slot *slot)
+{
+    uint32_t v = slot->first;
+    for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v]) e->member_stamps[v] = e->stamp;
+}
+
+/* A stride coprime to the count, so that points far apart come first and a direction's extent shows soon. */
+static size_t spread_stride(size_t count)
+{
+    size_t stride = count / 2 + 1;
+    for (;; ++stride) {
+        size_t x = count, y = stride;
+        while (y != 0) {
+            const size_t rest = x % y;
+            x = y;
+            y = rest;
+        }
+        if (x == 1) return stride;
+    }
+}
+
+/* Stamps of 2^32 unions ago would pass for this one's. */
+static void start_stamp(const sph__builder *b, sph__extents *e)
+{
+    if (++e->stamp != 0) return;
+    memset(e->member_stamps, 0, b->n * sizeof *e->member_stamps);
+    memset(e->place_stamps, 0, b->n * sizeof *e->place_stamps);
+    e->stamp = 1;
+}
+
+static sph_status list_points(const sph__builder *b, sph__extents *e, const sph__slot *u, const sph__slot *v)
+{
+    start_stamp(b, e);
+    mark_members(b, e, u);
+    mark_members(b, e, v);
+    e->point_count = e->vertex_count = 0;
+    if (!add_region(b, e, u) || !add_region(b, e, v) ||
+        !sph__reserve(b->context, (void **)&e->placed, &e->placed_capacity, e->point_count + e->vertex_count,
+                      3 * SPH__LANES * sizeof *e->placed))
+        return sph__fail_memory(b->context);
+    e->placed_vertices = e->placed + 3 * SPH__LANES * e->point_count;
+    e->spread_stride = spread_stride(e->point_count) % e->point_count;
+    return SPH_OK;
+}
+
+/* --- all points, eight frames at a time --- */
+
+/* Eight frames of the vertices, relative to the first, and of the points. */
+SPH__CLONES static void place_points(const sph__builder *b, const sph__extents *e, size_t i, double *vertices,
+                                     double *points)
+{
+    const size_t s = b->stride, count = e->point_count;
+    const float *o = b->h->centers + e->vertices[0] * b->node_floats + i;
+    const sph__v8d *from = (const sph__v8d *)vertices;
+    sph__v8d *to = (sph__v8d *)vertices;
+    for (size_t v = 0; v < e->vertex_count; ++v) {
+        const float *x = b->h->centers + e->vertices[v] * b->node_floats + i;
+        for (size_t k = 0; k < 3; ++k) to[3 * v + k] = sph__load(x, k * s) - sph__load(o, k * s);
+    }
+    to = (sph__v8d *)points;
+    for (size_t p = 0, at = 0; p < count; ++p) {
+        const uint32_t *place = e->points[at];
+        const sph__v8d *x = from + 3 * (size_t)place[0], *y = from + 3 * (size_t)place[1];
+        if (place[2] == SPH__NO_NODE) {
+            for (size_t k = 0; k < 3; ++k) to[3 * p + k] = 0.5 * (x[k] + y[k]);
+        } else {
+            const sph__v8d *z = from + 3 * (size_t)place[2];
+            for (size_t k = 0; k < 3; ++k) to[3 * p + k] = (x[k] + y[k] + z[k]) * (1.0 / 3.0);
+        }
+        at = at + e->spread_stride < count ? at + e->spread_stride : at + e->spread_stride - count;
+    }
+}
+
+/* Extents of the placed points along k; stops when all reach `enough`, for extents only grow. */
+SPH__CLONES static void chunk_extents(const double *placed, size_t count, const double k[3], double enough,
+                                      double *extents)
+{
+    sph__v8d low, high, extent;
+    sph__fill((double)INFINITY, &low);
+    sph__fill((double)-INFINITY, &high);
+    for (size_t p = 0; p < count;) {
+        const size_t end = count - p < 4 ? count : p + 4;
+        int any = 0;
+        for (; p < end; ++p) {
+            const sph__v8d *x = (const sph__v8d *)(placed + 3 * p * SPH__LANES);
+            const sph__v8d along = x[0] * k[0] + x[1] * k[1] + x[2] * k[2];
+            sph__smaller(&along, &low);
+            sph__larger(&along, &high);
+        }
+        extent = high - low;
+        for (size_t l = 0; l < SPH__LANES; ++l) any |= extent[l] < enough;
+        if (!any) break;
+    }
+    *(sph__v8d *)extents = high - low;
+}
+
+static double least_extent(const sph__builder *b, size_t i, const double extents[SPH__LANES])
+{
+    double least = (double)INFINITY;
+    for (size_t l = 0; l < SPH__LANES && i + l < b->frames; ++l) least = extents[l] < least ? extents[l] : least;
+    return least;
+}
+
+/* --- a few points first --- */
+
+/* Point p in the first frame. */
+static void point_at_start(const sph__builder *b, const sph__extents *e, size_t p, double x[3])
+{
+    const uint32_t *place = e->points[p];
+    const unsigned corners = place[2] == SPH__NO_NODE ? 2 : 3;
+    x[0] = x[1] = x[2] = 0;
+    for (unsigned c = 0; c < corners; ++c)
+        for (unsigned k = 0; k < 3; ++k)
+            x[k] += (double)sph__node_center(b, e->vertices[place[c]])[k * b->stride] / corners;
+}
+
+/* Squared distance from `from`; of what is across `axis` where there is one. */
+static double spread_from(const double x[3], const double from[3], const double *axis)
+{
+    const double d[3] = {x[0] - from[0], x[1] - from[1], x[2] - from[2]};
+    double c[3];
+    if (axis == NULL) return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    for (unsigned k = 0; k < 3; ++k) c[k] = d[(k + 1) % 3] * axis[(k + 2) % 3] - d[(k + 2) % 3] * axis[(k + 1) % 3];
+    return c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
+}
+
+/* Of every `step`th point the one farthest so. */
+static size_t farthest(const sph__builder *b, const sph__extents *e, const double from[3], const double *axis)
+{
+    const size_t step = e->point_count / 64 + 1; /* any points will do */
+    size_t best = 0;
+    double most = -1;
+    for (size_t p = 0; p < e->point_count; p += step) {
+        double x[3], spread;
+        point_at_start(b, e, p, x);
+        spread = spread_from(x, from, axis);
+        if (spread > most) {
+            most = spread;
+            best = p;
+        }
+    }
+    return best;
+}
+
+/* Far apart in the first frame: the ends of the union, and what is farthest from the line between them. */
+static void choose_witnesses(const sph__builder *b, const sph__extents *e, size_t witnesses[SPH__WITNESSES])
+{
+    double x[3], y[3], axis[3];
+    point_at_start(b, e, 0, x);
+    witnesses[0] = farthest(b, e, x, NULL);
+    point_at_start(b, e, witnesses[0], x);
+    witnesses[1] = farthest(b, e, x, NULL);
+    point_at_start(b, e, witnesses[1], y);
+    for (unsigned k = 0; k < 3; ++k) axis[k] = y[k] - x[k];
+    witnesses[2] = farthest(b, e, x, axis);
+    point_at_start(b, e, witnesses[2], x);
+    witnesses[3] = farthest(b, e, x, axis);
+}
+
+SPH__INLINE void load_point(const sph__builder *b, const sph__extents *e, size_t p, size_t i, sph__v8d x[3])
+{
+    const uint32_t *place = e->points[p];
+    const float *r0 = sph__node_center(b, e->vertices[place[0]]) + i, *r1 = sph__node_center(b, e->vertices[place[1]]) + i;
+    const size_t s = b->stride;
+    if (place[2] == SPH__NO_NODE) {
+        for (size_t k = 0; k < 3; ++k) x[k] = 0.5 * (sph__load(r0, k * s) + sph__load(r1, k * s));
+    } else {
+        const float *r2 = sph__node_center(b, e->vertices[place[2]]) + i;
+        for (size_t k = 0; k < 3; ++k)
+            x[k] = (sph__load(r0, k * s) + sph__load(r1, k * s) + sph__load(r2, k * s)) * (1.0 / 3.0);
+    }
+}
+
+/* The other witnesses from the first; returns how far they are in any frame, in sums of coordinates. */
+SPH__CLONES static double place_witnesses(const sph__builder *b, const sph__extents *e,
+                                          const size_t witnesses[SPH__WITNESSES], double *rows)
+{
+    const size_t s = b->stride;
+    sph__v8d most = {0};
+    double size = 0;
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        sph__v8d o[3], x[3];
+        load_point(b, e, witnesses[0], i, o);
+        for (size_t w = 1; w < SPH__WITNESSES; ++w) {
+            load_point(b, e, witnesses[w], i, x);
+            for (size_t k = 0; k < 3; ++k) {
+                const sph__v8d d = x[k] - o[k], back = -d;
+                sph__larger(&back, &most);
+                *(sph__v8d *)(rows + (3 * (w - 1) + k) * s + i) = d;
+                sph__larger(&d, &most);
+            }
+        }
+    }
+    for (size_t l = 0; l < SPH__LANES; ++l) size = most[l] > size ? most[l] : size;
+    return 3 * size;
+}
+
+/* The witnesses' least extents in each chunk of frames, by direction, into chunk_least. */
+SPH__CLONES static void witness_extents(const sph__builder *b, const double *rows, double *chunk_least)
+{
+    const size_t s = b->stride, ds = b->direction_stride;
+    for (size_t i = 0; i < s; i += SPH__LANES, chunk_least += ds) {
+        const size_t lanes = b->frames - i < SPH__LANES ? b->frames - i : SPH__LANES;
+        for (size_t j = 0; j < ds; j += SPH__LANES) {
+            const double *k = b->direction_rows + j;
+            const sph__v8d k0 = *(const sph__v8d *)k, k1 = *(const sph__v8d *)(k + ds);
+            const sph__v8d k2 = *(const sph__v8d *)(k + 2 * ds);
+            sph__v8d least;
+            sph__fill((double)INFINITY, &least);
+            for (size_t l = 0; l < lanes; ++l) {
+                const double *d = rows + i + l;
+                sph__v8d low = {0}, high = {0}, along;
+                for (size_t w = 0; w < SPH__WITNESSES - 1; ++w) {
+                    along = k0 * d[3 * w * s] + k1 * d[(3 * w + 1) * s] + k2 * d[(3 * w + 2) * s];
+                    sph__smaller(&along, &low);
+                    sph__larger(&along, &high);
+                }
+                high -= low;
+                sph__smaller(&high, &least);
+            }
+            *(sph__v8d *)(chunk_least + j) = least;
+        }
+    }
+}
+
+/* Lowers *best by the extents in one chunk of frames, where the witnesses leave it open. */
+static void try_chunk(const sph__builder *b, const sph__extents *e, size_t i, double noise, double *best)
+{
+    const double *least = e->chunk_least + i / SPH__LANES * b->direction_stride;
+    bool placed = false;
+    for (uint32_t j = 0; j < b->direction_count; ++j) {
+        _Alignas(SPH__ALIGN) double extents[SPH__LANES];
+        double found;
+        if (least[j] > *best * (1 + 1e-9) + noise) continue;
+        if (!placed) place_points(b, e, i, e->placed_vertices, e->placed);
+        placed = true;
+        chunk_extents(e->placed, e->point_count, b->directions[j], *best, extents);
+        found = least_extent(b, i, extents);
+        if (found < *best) *best = found;
+    }
+}
+
+sph_status sph__union_width(const sph__builder *b, sph__extents *e, const sph__slot *u, const sph__slot *v,
+                            double *width)
+{
+    size_t witnesses[SPH__WITNESSES], first = 0;
+    double least = (double)INFINITY, noise;
+    sph_status status;
+    *width = sph__union_width_bound(b, u, v);
+    if (b->probe_frames == b->frames) return SPH_OK;
+    status = list_points(b, e, u, v);
+    if (status != SPH_OK) return status;
+    choose_witnesses(b, e, witnesses);
+    noise = 1e-13 * place_witnesses(b, e, witnesses, e->witnesses); /* more than rounding of extents */
+    witness_extents(b, e->witnesses, e->chunk_least);
+    for (size_t i = 0; i < b->stride; i += SPH__LANES)
+        for (uint32_t j = 0; j < b->direction_count; ++j) {
+            const double extent = e->chunk_least[i / SPH__LANES * b->direction_stride + j];
+            if (extent >= least) continue;
+            least = extent;
+            first = i;
+        }
+    try_chunk(b, e, first, noise, width);
+    for (size_t i = 0; i < b->stride; i += SPH__LANES)
+        if (i != first) try_chunk(b, e, i, noise, width);
+    return SPH_OK;
+}
+
+sph_status sph__union_frame_widths(const sph__builder *b, sph__extents *e, const sph__slot *u, const sph__slot *v,
+                                   double *widths)
+{
+    const sph_status status = list_points(b, e, u, v);
+    if (status != SPH_OK) return status;
+    for (size_t i = 0; i < b->stride; i += SPH__LANES) {
+        place_points(b, e, i, e->placed_vertices, e->placed);
+        for (size_t l = 0; l < SPH__LANES; ++l) widths[i + l] = (double)INFINITY;
+        for (uint32_t j = 0; j < b->direction_count; ++j) {
+            _Alignas(SPH__ALIGN) double extents[SPH__LANES];
+            chunk_extents(e->placed, e->point_count, b->directions[j], (double)INFINITY, extents);
+            for (size_t l = 0; l < SPH__LANES; ++l)
+                widths[i + l] = extents[l] < widths[i + l] ? extents[l] : widths[i + l];
+        }
+    }
+    return SPH_OK;
+}

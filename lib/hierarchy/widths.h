@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+/* What the two halves of the widths share: rows of slots, and vectors that keep the least and the most. */
+#ifndef SPH_HIERARCHY_WIDTHS_H
+#define SPH_HIERARCHY_WIDTHS_H
+
+#include <math.h>
+
+#include "hierarchy/build.h"
+#include "hierarchy/lanes.h"
+
+/* The intervals of a slot's probes: low ends, then high ends. Bounds of them, where they are not all frames. */
+static inline double *sph__probes_of(const sph__builder *b, const sph__slot *slot)
+{
+    return b->probes + (size_t)(slot - b->slots) * 2 * b->probe_count;
+}
+
+static inline float *sph__probe_bounds_of(const sph__builder *b, const sph__slot *slot)
+{
+    return b->probe_bounds + (size_t)(slot - b->slots) * 2 * b->probe_count;
+}
+
+/* *least = x < *least ? x : *least, lane by lane. */
+SPH__INLINE void sph__smaller(const sph__v8d *x, sph__v8d *least)
+{
+    const sph__v8d a = *x, b = *least;
+    sph__v8d r;
+    for (size_t l = 0; l < SPH__LANES; ++l) r[l] = a[l] < b[l] ? a[l] : b[l];
+    *least = r;
+}
+
+SPH__INLINE void sph__larger(const sph__v8d *x, sph__v8d *most)
+{
+    const sph__v8d a = *x, b = *most;
+    sph__v8d r;
+    for (size_t l = 0; l < SPH__LANES; ++l) r[l] = a[l] > b[l] ? a[l] : b[l];
+    *most = r;
+}
+
+SPH__INLINE void sph__fill(double x, sph__v8d *v)
+{
+    *v = (sph__v8d){x, x, x, x, x, x, x, x};
+}
+
+SPH__INLINE double sph__least_lane(const sph__v8d *v)
+{
+    double least = (*v)[0];
+    for (size_t l = 1; l < SPH__LANES; ++l) least = (*v)[l] < least ? (*v)[l] : least;
+    return least;
+}
+
+#endif
