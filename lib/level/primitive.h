@@ -11,6 +11,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "numeric/vector.h"
+
 /* The capsule along one edge. */
 typedef struct sph__primitive_edge {
     int32_t from, to;    /* corners */
@@ -65,5 +67,15 @@ void sph__primitive_bounds(const sph__primitive *primitive, double low[3], doubl
 
 /* Corners of the planar face on side +1 or -1 of the plane of the centres, and its normal; needs has_faces. */
 void sph__primitive_face(const sph__primitive *primitive, int side, double corners[3][3], double normal[3]);
+
+/* Of the sphere that the face nearest to centre 0 + d touches, `height` (towards that face) above the centres' plane.
+ * The edges on whose outer side the weights are, as bits. */
+static inline int sph__primitive_weights(const sph__primitive *p, const double d[3], double height, double *b1,
+                                         double *b2)
+{
+    *b1 = sph__dot(p->gradient[0], d) - height * p->gradient_tilt[0];
+    *b2 = sph__dot(p->gradient[1], d) - height * p->gradient_tilt[1];
+    return (*b2 < 0 ? 1 : 0) | (*b1 + *b2 > 1 ? 2 : 0) | (*b1 < 0 ? 4 : 0);
+}
 
 #endif
