@@ -10,17 +10,40 @@
 #include "numeric/vector.h"
 #include "query/query.h"
 
-/* One cast, in the frame of the pose, cut to where the segment is near the solid: start + t * way, 0 <= t <= 1. */
+enum {
+    MOST_MOVES = SPH__QUERY_WAVE,          /* of a packet */
+    MOST_PAIRS = 2 * SPH__QUERY_CHUNK + 1, /* at a time */
+    WAVE_FROM = 8,                         /* moves from which on the wave is quicker */
+    WAVE_TO = 512                          /* primitives up to which it is */
+};
+
+static const uint32_t NONE = UINT32_MAX;
+
+/* One cast, in the frame of the pose, cut to where the segment is near the solid: s = before + t * span. */
 typedef struct cast {
-    const sph_query *query;
-    sph__query_move move;
-    double before, span; /* s = before + t * span */
-    bool use_bounds, any;
-    sph__query_ray ray;
+    double before, span;
+    bool is_near;
     /* the best so far: the least t, of these the deepest, of these the lowest number */
-    uint32_t slot; /* UINT32_MAX: none */
+    uint32_t slot; /* NONE: none */
     double t, depth;
+    double limit; /* what comes later does not matter; -1: nothing does any more */
 } cast;
+
+/* Casts that are worked on side by side. */
+typedef struct packet {
+    const sph_query *query;
+    bool any; /* any hit will do */
+    uint32_t move_count, pair_count;
+    cast casts[MOST_MOVES];
+    sph__query_move moves[MOST_MOVES];
+    sph__query_ray rays[MOST_MOVES];
+    sph__query_pair pairs[MOST_PAIRS];
+} packet;
+
+/* The pairs of one move that are left, [begin, end) of an order. */
+typedef struct group {
+    uint32_t begin, end;
+} group;
 
 static inline double lesser(double a, double b)
 {
@@ -47,99 +70,146 @@ static inline double largest(const double x[3])
     return greater(fabs(x[0]), greater(fabs(x[1]), fabs(x[2])));
 }
 
-/* False when the segment is nowhere near. */
-static bool begin(cast *c, const sph_query *q, const double from[3], const double to[3], double radius)
+static void begin(packet *p, uint32_t i, const double from[3], const double to[3], double radius)
 {
+    const sph_query *q = p->query;
+    cast *c = &p->casts[i];
+    sph__query_move *m = &p->moves[i];
     double enter = 0, leave = 1, way[3], margin;
+    c->slot = NONE;
+    c->t = 2;
+    c->depth = 0;
+    c->limit = 1;
+    c->is_near = true;
     sph__subtract(to, from, way);
     margin = 2e-6 * (1 + radius) + 1e-15 * (largest(from) + largest(way));
     for (int k = 0; k < 3; ++k)
-        if (!cut(from[k], way[k], q->half[k] + radius + margin, &enter, &leave)) return false;
-    c->query = q;
-    c->move.radius = radius;
+        c->is_near = c->is_near && cut(from[k], way[k], q->half[k] + radius + margin, &enter, &leave);
+    if (!c->is_near) return;
     c->before = enter;
     c->span = leave - enter;
     for (int k = 0; k < 3; ++k) {
-        c->move.start[k] = from[k] + enter * way[k];
-        c->move.way[k] = c->span * way[k];
+        m->start[k] = from[k] + enter * way[k];
+        m->way[k] = c->span * way[k];
     }
-    c->move.tolerance = 1e-14 * (1 + radius);
-    c->use_bounds = radius + margin < 1e3;
-    if (c->use_bounds) sph__query_ray_set(&c->ray, c->move.start, c->move.way, radius + margin);
-    c->slot = UINT32_MAX;
-    c->t = 2;
-    c->depth = 0;
-    return true;
+    m->radius = radius;
+    m->tolerance = 1e-14 * (1 + radius);
+    if (radius + margin < 1e3)
+        sph__query_ray_set(&p->rays[i], m->start, m->way, radius + margin);
+    else
+        p->rays[i] = sph__query_ray_all;
 }
 
-static void consider(cast *c, uint32_t slot, double t)
+static void improve(packet *p, const sph__query_pair *pair)
 {
-    const sph_query *q = c->query;
-    double f, depth;
-    if (!sph__query_approach(&q->fans[slot], &c->move, c->t, &t, &f)) return;
-    depth = f < 0 && t == 0 && c->before == 0 ? -f : 0;
-    if (c->slot != UINT32_MAX) {
-        if (t > c->t || (t == c->t && depth < c->depth)) return;
-        if (t == c->t && depth == c->depth && q->numbers[slot] > q->numbers[c->slot]) return;
+    const uint32_t *numbers = p->query->numbers;
+    cast *c = &p->casts[pair->move];
+    const double depth = pair->distance < 0 && pair->t == 0 && c->before == 0 ? -pair->distance : 0;
+    if (c->slot != NONE) {
+        if (pair->t > c->t || (pair->t == c->t && depth < c->depth)) return;
+        if (pair->t == c->t && depth == c->depth && numbers[pair->slot] > numbers[c->slot]) return;
     }
-    c->slot = slot;
-    c->t = t;
+    c->slot = pair->slot;
+    c->t = pair->t;
     c->depth = depth;
+    c->limit = p->any ? -1 : pair->t;
 }
 
-/* Bit i is byte i, of 64 that are 0 or 1. */
-static inline uint64_t pack(const uint8_t *bytes)
+/* Can the pair still make a difference? */
+static inline bool matters(const packet *p, const sph__query_pair *pair)
 {
-    uint64_t mask = 0;
-    for (int i = 0; i < 8; ++i) {
-        uint64_t eight = 0;
-        for (int k = 0; k < 8; ++k) /* one load, whatever the order of bytes */
-            eight |= (uint64_t)bytes[8 * i + k] << (8 * k);
-        mask |= (eight * 0x0102040810204080u >> 56) << (8 * i); /* the lowest bits of the bytes, side by side */
+    return pair->t <= p->casts[pair->move].limit;
+}
+
+/* After the first step: best casts, and the pairs that remain, by move. */
+static uint32_t sift(packet *p, group *groups, uint16_t *order)
+{
+    uint16_t place[MOST_MOVES];
+    uint32_t count = 0, kept = 0, begin_place = 0;
+    memset(place, 0, p->move_count * sizeof *place);
+    for (uint32_t i = 0; i < p->pair_count; ++i) {
+        if (p->pairs[i].touches) improve(p, &p->pairs[i]);
+        p->pairs[kept] = p->pairs[i];
+        kept += !p->pairs[i].touches;
     }
-    return mask;
-}
-
-/* Slots that are left after the slabs of those in the boxes, and where they are entered. */
-static uint32_t gather(const cast *c, uint32_t begin_slot, uint32_t size, const float *box_entry, const uint8_t *meets,
-                       float *entry, uint32_t *slot)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < size; i += 64)
-        for (uint64_t mask = pack(meets + i); mask != 0; mask &= mask - 1) {
-            const uint32_t k = i + (uint32_t)__builtin_ctzll(mask);
-            entry[count] = sph__query_fan_entry(&c->query->fans[begin_slot + k], &c->ray, box_entry[k]);
-            slot[count] = begin_slot + k;
-            count += entry[count] <= 1;
-        }
+    p->pair_count = kept;
+    kept = 0;
+    for (uint32_t i = 0; i < p->pair_count; ++i) {
+        const bool stays = matters(p, &p->pairs[i]);
+        p->pairs[kept] = p->pairs[i];
+        place[p->pairs[kept].move] = (uint16_t)(place[p->pairs[kept].move] + stays);
+        kept += stays;
+    }
+    if (kept == 0) return 0;
+    for (uint32_t i = 0; i < p->move_count; ++i) {
+        const uint32_t size = place[i];
+        groups[count] = (group){begin_place, begin_place + size};
+        place[i] = (uint16_t)begin_place;
+        begin_place += size;
+        count += size > 0;
+    }
+    for (uint32_t i = 0; i < kept; ++i)
+        order[place[p->pairs[i].move]++] = (uint16_t)i;
     return count;
 }
 
-/* Slots [begin, end), at most a chunk, in the order in which their bounds are entered. */
-static void search_range(cast *c, uint32_t range_begin, uint32_t range_end)
+/* Of a move the pair whose turn it is: that which may touch first; NONE: no pair matters any more. */
+static uint32_t choose(const packet *p, const group *g, const uint16_t *order)
 {
-    float box_entry[SPH__QUERY_CHUNK], entry[SPH__QUERY_CHUNK + 1];
-    uint8_t meets[SPH__QUERY_CHUNK];
-    uint32_t slot[SPH__QUERY_CHUNK + 1], count;
-    const uint32_t size = range_end - range_begin;
-    if (!c->use_bounds) {
-        for (uint32_t i = range_begin; i < range_end && !(c->any && c->slot != UINT32_MAX); ++i)
-            consider(c, i, 0);
-        return;
+    uint32_t first = order[g->begin];
+    double t = p->pairs[first].t;
+    for (uint32_t i = g->begin + 1; i < g->end; ++i) {
+        const double other = p->pairs[order[i]].t;
+        first = other < t ? order[i] : first;
+        t = other < t ? other : t;
     }
-    sph__query_kernel_entries(&c->query->bounds, range_begin, range_end, &c->ray, box_entry, meets);
-    memset(meets + size, 0, (64 - size % 64) % 64); /* padding, and slots of other leaves */
-    count = gather(c, range_begin, size, box_entry, meets, entry, slot);
+    return t <= p->casts[p->pairs[first].move].limit ? first : NONE;
+}
+
+/* Lets all pairs, after their first step, have their say. Each round works on one pair of each move. */
+static void resolve(packet *p)
+{
+    group groups[MOST_MOVES + 1];
+    uint16_t order[MOST_PAIRS];
+    uint32_t turn[MOST_MOVES], count, kept = 0;
+    count = sift(p, groups, order);
+    p->pair_count = 0;
+    for (uint32_t i = 0; i < count; ++i)
+        turn[i] = choose(p, &groups[i], order);
     while (count > 0) {
-        uint32_t first = 0;
-        for (uint32_t i = 1; i < count; ++i)
-            first = entry[i] < entry[first] ? i : first;
-        if (entry[first] > c->t || (c->any && c->slot != UINT32_MAX)) return;
-        consider(c, slot[first], entry[first]);
-        --count;
-        entry[first] = entry[count];
-        slot[first] = slot[count];
+        sph__query_fan_step(p->query->fans, p->moves, p->pairs, turn, count);
+        kept = 0;
+        for (uint32_t i = 0; i < count; ++i) {
+            sph__query_pair *pair = &p->pairs[turn[i]];
+            uint32_t next = turn[i];
+            if (pair->touches) {
+                improve(p, pair);
+                pair->t = SPH__QUERY_MISS;
+            }
+            if (!matters(p, pair)) next = choose(p, &groups[i], order);
+            groups[kept] = groups[i];
+            turn[kept] = next;
+            kept += next != NONE;
+        }
+        count = kept;
     }
+}
+
+/* Pairs of a move with slots [begin, end), at most a chunk, after their first step. */
+static void add(packet *p, uint32_t move, uint32_t begin_slot, uint32_t end_slot)
+{
+    sph__query_pair *pairs = p->pairs + p->pair_count;
+    uint32_t met[SPH__QUERY_CHUNK], count;
+    float entry[SPH__QUERY_CHUNK];
+    count = sph__query_kernel_meet(&p->query->bounds, begin_slot, end_slot, &p->rays[move], met, entry);
+    for (uint32_t i = 0; i < count; ++i) {
+        pairs[i].t = entry[i];
+        pairs[i].move = (uint16_t)move;
+        pairs[i].slot = met[i];
+    }
+    count = sph__query_fan_enter(p->query->fans, p->rays, pairs, count);
+    sph__query_fan_begin(p->query->fans, p->moves, pairs, count);
+    p->pair_count += count;
 }
 
 /* As the kernel does it; monotonous, so that a box is entered no later than the boxes in it. */
@@ -147,75 +217,123 @@ static float entry_of(const sph__box *box, const sph__query_ray *ray)
 {
     float enter = 0, leave = 1;
     for (int k = 0; k < 3; ++k) {
-        const bool up = !(ray->inverse[k] < 0);
-        const float a = ((up ? box->low[k] : box->high[k]) - ray->enter[k]) * ray->inverse[k];
-        const float b = ((up ? box->high[k] : box->low[k]) - ray->leave[k]) * ray->inverse[k];
-        enter = a > enter ? a : enter;
-        leave = b < leave ? b : leave;
+        const float a = (box->low[k] - ray->above[k]) * ray->inverse[k];
+        const float b = (box->high[k] - ray->below[k]) * ray->inverse[k];
+        const float first = a < b ? a : b, last = a < b ? b : a;
+        enter = first > enter ? first : enter;
+        leave = last < leave ? last : leave;
     }
     return enter <= leave ? enter : SPH__QUERY_MISS;
 }
 
-static void search_tree(cast *c)
+static void search_tree(packet *p, uint32_t move)
 {
-    const sph__box_tree *tree = &c->query->solid.tree;
+    const sph__box_tree *tree = &p->query->solid.tree;
+    const sph__query_ray *ray = &p->rays[move];
+    const cast *c = &p->casts[move];
     sph__box_visit stack[SPH__BOX_STACK];
     int top = 0;
     stack[top++] = (sph__box_visit){1, 0, tree->item_count, 0};
-    while (top > 0 && !(c->any && c->slot != UINT32_MAX)) {
+    while (top > 0) {
         const sph__box_visit v = stack[--top];
         const uint32_t half = sph__box_visit_middle(&v), left = 2 * v.node;
         sph__box_visit a, b;
-        if (v.bound > c->t) continue;
+        if (v.bound > c->limit) continue;
         if (sph__box_tree_is_leaf(tree, v.node)) {
-            search_range(c, v.begin, v.end);
+            add(p, move, v.begin, v.end);
+            resolve(p);
             continue;
         }
-        a = (sph__box_visit){left, v.begin, half, c->use_bounds ? entry_of(&tree->nodes[left], &c->ray) : 0};
-        b = (sph__box_visit){left + 1, half, v.end, c->use_bounds ? entry_of(&tree->nodes[left + 1], &c->ray) : 0};
+        a = (sph__box_visit){left, v.begin, half, entry_of(&tree->nodes[left], ray)};
+        b = (sph__box_visit){left + 1, half, v.end, entry_of(&tree->nodes[left + 1], ray)};
         if (a.bound <= b.bound) {
             const sph__box_visit t = a;
             a = b;
             b = t;
         }
-        if (a.bound <= 1) stack[top++] = a;
-        if (b.bound <= 1) stack[top++] = b;
+        if (a.bound <= c->limit) stack[top++] = a;
+        if (b.bound <= c->limit) stack[top++] = b;
     }
 }
 
-static void search(cast *c)
+/* All slots, a chunk at a time. The pairs of other moves may wait for company. */
+static void search_all(packet *p, uint32_t move)
 {
-    const uint32_t count = c->query->primitive_count;
-    if (!c->query->is_exhaustive) {
-        search_tree(c);
-        return;
+    const uint32_t count = p->query->primitive_count;
+    for (uint32_t i = 0; i < count; i += SPH__QUERY_CHUNK) {
+        const uint32_t end = count - i < SPH__QUERY_CHUNK ? count : i + SPH__QUERY_CHUNK;
+        if (i > 0 || p->pair_count + (end - i) > MOST_PAIRS) resolve(p);
+        if (p->casts[move].limit < 0) return;
+        add(p, move, i, end);
     }
-    for (uint32_t i = 0; i < count && !(c->any && c->slot != UINT32_MAX); i += SPH__QUERY_CHUNK)
-        search_range(c, i, count - i < SPH__QUERY_CHUNK ? count : i + SPH__QUERY_CHUNK);
 }
 
-static bool begin_sweep(cast *c, const sph_query *q, const sph_sweep *sweep, bool any)
+/* All primitives, one after the other against all moves. */
+static void search_wave(packet *p)
 {
-    const double from[3] = {sweep->from[0], sweep->from[1], sweep->from[2]};
-    const double to[3] = {sweep->to[0], sweep->to[1], sweep->to[2]};
-    double a[3], b[3];
-    sph__query_to_frame(q, from, a);
-    sph__query_to_frame(q, to, b);
-    c->any = any;
-    return begin(c, q, a, b, sweep->radius * q->scale);
+    const sph_query *q = p->query;
+    sph__query_wave wave;
+    sph__query_wave_begin(&wave, p->move_count, p->rays, p->moves);
+    for (uint32_t i = 0; i < p->move_count; ++i)
+        if (p->casts[i].is_near) sph__query_wave_set(&wave, i, &p->rays[i]);
+    for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
+        if (p->pair_count + SPH__QUERY_WAVE + 1 > MOST_PAIRS) resolve(p);
+        p->pair_count += sph__query_wave_pairs(&wave, &q->bounds, q->fans, slot, p->pairs + p->pair_count);
+    }
 }
 
-static void answer(const cast *c, sph_hit *hit)
+static void search(packet *p)
 {
+    const bool exhaustive = p->query->is_exhaustive;
+    if (exhaustive && p->move_count >= WAVE_FROM && p->query->primitive_count <= WAVE_TO) {
+        search_wave(p);
+    } else {
+        for (uint32_t i = 0; i < p->move_count; ++i) {
+            if (!p->casts[i].is_near) continue;
+            if (exhaustive)
+                search_all(p, i);
+            else
+                search_tree(p, i);
+        }
+    }
+    if (p->pair_count > 0) resolve(p);
+}
+
+static uint32_t cast_sweeps(packet *p, const sph_query *q, const sph_sweep *sweeps, size_t count, bool any)
+{
+    const uint32_t moves = count < MOST_MOVES ? (uint32_t)count : MOST_MOVES;
+    p->query = q;
+    p->any = any;
+    p->pair_count = 0;
+    p->move_count = moves;
+    for (uint32_t i = 0; i < moves; ++i) {
+        const sph_sweep *w = &sweeps[i];
+        double from[3], to[3];
+        sph__query_to_frame(q, (const double[3]){w->from[0], w->from[1], w->from[2]}, from);
+        sph__query_to_frame(q, (const double[3]){w->to[0], w->to[1], w->to[2]}, to);
+        begin(p, i, from, to, w->radius * q->scale);
+    }
+    search(p);
+    return moves;
+}
+
+static void answer(const packet *p, uint32_t i, sph_hit *hit)
+{
+    const cast *c = &p->casts[i];
     sph__contact contact;
     double x[3];
+    if (c->slot == NONE) {
+        *hit = (sph_hit){.s = 1};
+        sph__query_no_contact(&hit->contact);
+        return;
+    }
     hit->s = lesser(1, c->before + c->t * c->span);
-    hit->depth = c->depth / c->query->scale;
+    hit->depth = c->depth / p->query->scale;
     hit->hit = 1;
     hit->reserved0 = 0;
-    sph__add_scaled(c->move.start, c->t, c->move.way, x);
-    sph__primitive_closest(&c->query->solid.primitives[c->slot], x, &contact);
-    sph__query_contact(c->query, c->slot, &contact, &hit->contact);
+    sph__add_scaled(p->moves[i].start, c->t, p->moves[i].way, x);
+    sph__primitive_closest(&p->query->solid.primitives[c->slot], x, &contact);
+    sph__query_contact(p->query, c->slot, &contact, &hit->contact);
 }
 
 static sph_status check(const sph_query *q, const char *name, const sph_sweep *sweeps, size_t count, const void *hits)
@@ -238,17 +356,13 @@ static sph_status check(const sph_query *q, const char *name, const sph_sweep *s
 sph_status sph_query_cast(const sph_query *q, const sph_sweep *sweeps, size_t count, sph_hit *hits)
 {
     const sph_status status = check(q, "sph_query_cast", sweeps, count, hits);
+    packet p;
     if (status != SPH_OK) return status;
-    for (size_t i = 0; i < count; ++i) {
-        cast c;
-        c.slot = UINT32_MAX;
-        if (begin_sweep(&c, q, &sweeps[i], false)) search(&c);
-        if (c.slot != UINT32_MAX) {
-            answer(&c, &hits[i]);
-        } else {
-            hits[i] = (sph_hit){.s = 1};
-            sph__query_no_contact(&hits[i].contact);
-        }
+    for (size_t done = 0; done < count;) {
+        const uint32_t moves = cast_sweeps(&p, q, sweeps + done, count - done, false);
+        for (uint32_t i = 0; i < moves; ++i)
+            answer(&p, i, &hits[done + i]);
+        done += moves;
     }
     return SPH_OK;
 }
@@ -256,24 +370,28 @@ sph_status sph_query_cast(const sph_query *q, const sph_sweep *sweeps, size_t co
 sph_status sph_query_cast_any(const sph_query *q, const sph_sweep *sweeps, size_t count, uint8_t *hits)
 {
     const sph_status status = check(q, "sph_query_cast_any", sweeps, count, hits);
+    packet p;
     if (status != SPH_OK) return status;
-    for (size_t i = 0; i < count; ++i) {
-        cast c;
-        c.slot = UINT32_MAX;
-        if (begin_sweep(&c, q, &sweeps[i], true)) search(&c);
-        hits[i] = c.slot != UINT32_MAX;
+    for (size_t done = 0; done < count;) {
+        const uint32_t moves = cast_sweeps(&p, q, sweeps + done, count - done, true);
+        for (uint32_t i = 0; i < moves; ++i)
+            hits[done + i] = p.casts[i].slot != NONE;
+        done += moves;
     }
     return SPH_OK;
 }
 
 bool sph__query_cast_frame(const sph_query *q, const double from[3], const double to[3], double *t)
 {
-    cast c;
-    c.slot = UINT32_MAX;
-    c.any = false;
+    packet p;
+    p.query = q;
+    p.any = false;
+    p.pair_count = 0;
+    p.move_count = 1;
+    begin(&p, 0, from, to, 0);
+    search(&p);
     *t = 1;
-    if (begin(&c, q, from, to, 0)) search(&c);
-    if (c.slot == UINT32_MAX) return false;
-    *t = lesser(1, c.before + c.t * c.span);
+    if (p.casts[0].slot == NONE) return false;
+    *t = lesser(1, p.casts[0].before + p.casts[0].t * p.casts[0].span);
     return true;
 }

@@ -15,16 +15,17 @@
 #include "level/primitive.h"
 #include "query/kernel.h"
 
-enum { SPH__QUERY_FAN = 4 };
+enum { SPH__QUERY_FAN = 4, SPH__QUERY_STEPS = 100 };
 
 typedef struct __attribute__((aligned(64))) sph__query_fan { /* rows of four are read as vectors */
     double from[3][SPH__QUERY_FAN], span[3][SPH__QUERY_FAN]; /* first centre; from there to the second */
     double share[3][SPH__QUERY_FAN];                         /* span / length^2 */
     double lean[SPH__QUERY_FAN], bias[SPH__QUERY_FAN];
     double radius[SPH__QUERY_FAN], growth[SPH__QUERY_FAN]; /* of the first sphere; what the second has more */
-    /* of the face, as in sph__primitive */
-    double center[3], plane_normal[3], tilt[3], gradient[2][3], gradient_tilt[2], rise, face_radius;
-    int64_t has_faces;
+    /* of the faces: directions, in which a place counts from the first centre; what height above the plane of the
+     * centres adds; constants: that height, the weights of corners 1 and 2, the distance. Without faces no weights are
+     * within the triangle. */
+    double face[3][SPH__QUERY_FAN], face_height[SPH__QUERY_FAN], face_constant[SPH__QUERY_FAN];
     float normal[3][SPH__QUERY_FAN], low[SPH__QUERY_FAN], high[SPH__QUERY_FAN]; /* slabs */
 } sph__query_fan;
 
@@ -37,6 +38,15 @@ typedef struct sph__query_move {
     double tolerance; /* a distance that counts as touching */
 } sph__query_move;
 
+/* One of these, and a primitive that it may touch. */
+typedef struct sph__query_pair {
+    double t;        /* it touches no earlier; above 1: never */
+    double distance; /* at t, less the radius; where `touches` */
+    uint32_t slot;
+    uint16_t move;
+    uint8_t touches, steps;
+} sph__query_pair;
+
 void sph__query_fan_set(sph__query_fan *fan, const sph__primitive *primitive);
 
 /* As sph__primitive_distance, but for rounding. */
@@ -46,15 +56,16 @@ double sph__query_fan_distance(const sph__query_fan *fan, const double x[3]);
 float sph__query_fan_bound(const sph__query_fan *fan, const float x[3]);
 
 /*
- * Of a segment that is in the box from `entry` on: the least t at which it is in the slabs as well, or SPH__QUERY_MISS.
+ * Drops pairs that the slabs show never to touch, and sets t of the others to where they are entered; returns how many
+ * there are left, in the same order. `t` is where the box is entered.
  */
-float sph__query_fan_entry(const sph__query_fan *fan, const sph__query_ray *ray, float entry);
+uint32_t sph__query_fan_enter(const sph__query_fan *fans, const sph__query_ray *rays, sph__query_pair *pairs,
+                              uint32_t count);
 
-/*
- * The first t from *t to 1 at which the primitive is touched goes to *t, the distance there less the radius to
- * *distance; false: there is none, or only beyond `limit`.
- */
-bool sph__query_approach(const sph__query_fan *fan, const sph__query_move *move, double limit, double *t,
-                         double *distance);
+/* The first step of Newton's method for all pairs; one more for each of pairs[which[i]]. */
+void sph__query_fan_begin(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,
+                          uint32_t count);
+void sph__query_fan_step(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,
+                         const uint32_t *which, uint32_t count);
 
 #endif

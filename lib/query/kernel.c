@@ -2,8 +2,10 @@
 #include "query/kernel.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "hierarchy/lanes.h"
+#include "query/step.h"
 
 /*
  * Plain loops, for the compiler to turn into vectors of whatever width: gcc 12 takes explicit ones that are wider than
@@ -19,36 +21,53 @@ static inline float greater(float a, float b)
     return a > b ? a : b;
 }
 
+const sph__query_ray sph__query_ray_all = {{1e30f, 1e30f, 1e30f}, {-1e30f, -1e30f, -1e30f}, {1, 1, 1}, {0}, {0}, 1e30f};
+const sph__query_ray sph__query_ray_none = {{1e15f, 1e15f, 1e15f}, {1e15f, 1e15f, 1e15f}, {1, 1, 1}, {0}, {0}, 0};
+
 void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3], double reach)
 {
     for (int k = 0; k < 3; ++k) {
         const float slope = (float)d[k];
-        const double widen = copysign(reach, d[k]);
+        ray->above[k] = (float)(p[k] + reach);
+        ray->below[k] = (float)(p[k] - reach);
         ray->inverse[k] = 1 / (slope + copysignf(1e-18f, slope));
-        ray->enter[k] = (float)(p[k] + widen);
-        ray->leave[k] = (float)(p[k] - widen);
         ray->from[k] = (float)p[k];
         ray->way[k] = slope;
     }
     ray->reach = (float)reach;
 }
 
-SPH__CLONES static void entries_clones(const float *const near[3], const float *const far[3], size_t begin,
-                                       size_t count, const sph__query_ray *ray, float *restrict entry,
-                                       uint8_t *restrict meets)
+/* `count` boxes, in whole vectors. */
+SPH__CLONES static uint32_t meet_clones(const sph__query_bounds *bounds, size_t begin, size_t count,
+                                        const sph__query_ray *ray, uint32_t *restrict met, float *restrict entry)
 {
-    const float *restrict n0 = near[0] + begin, *restrict n1 = near[1] + begin, *restrict n2 = near[2] + begin;
-    const float *restrict f0 = far[0] + begin, *restrict f1 = far[1] + begin, *restrict f2 = far[2] + begin;
-    const float e0 = ray->enter[0], e1 = ray->enter[1], e2 = ray->enter[2];
-    const float l0 = ray->leave[0], l1 = ray->leave[1], l2 = ray->leave[2];
+    const float *restrict low0 = bounds->low[0] + begin, *restrict high0 = bounds->high[0] + begin;
+    const float *restrict low1 = bounds->low[1] + begin, *restrict high1 = bounds->high[1] + begin;
+    const float *restrict low2 = bounds->low[2] + begin, *restrict high2 = bounds->high[2] + begin;
+    const float above0 = ray->above[0], above1 = ray->above[1], above2 = ray->above[2];
+    const float below0 = ray->below[0], below1 = ray->below[1], below2 = ray->below[2];
     const float i0 = ray->inverse[0], i1 = ray->inverse[1], i2 = ray->inverse[2];
+    float __attribute__((aligned(64))) all[SPH__QUERY_CHUNK];
+    uint8_t __attribute__((aligned(64))) meets[SPH__QUERY_CHUNK];
+    uint32_t found = 0;
+    for (size_t i = count; i % 64 != 0; i += SPH__QUERY_LANES)
+        memset(meets + i, 0, SPH__QUERY_LANES);
     for (size_t i = 0; i < count; ++i) {
-        const float in = greater(greater((n0[i] - e0) * i0, (n1[i] - e1) * i1), greater((n2[i] - e2) * i2, 0));
-        const float out = lesser(lesser((f0[i] - l0) * i0, (f1[i] - l1) * i1), lesser((f2[i] - l2) * i2, 1));
-        entry[i] = in <= out ? in : SPH__QUERY_MISS;
+        const float a0 = (low0[i] - above0) * i0, b0 = (high0[i] - below0) * i0;
+        const float a1 = (low1[i] - above1) * i1, b1 = (high1[i] - below1) * i1;
+        const float a2 = (low2[i] - above2) * i2, b2 = (high2[i] - below2) * i2;
+        const float in = greater(greater(lesser(a0, b0), lesser(a1, b1)), greater(lesser(a2, b2), 0));
+        const float out = lesser(lesser(greater(a0, b0), greater(a1, b1)), lesser(greater(a2, b2), 1));
+        all[i] = in;
+        meets[i] = in <= out;
     }
-    for (size_t i = 0; i < count; ++i)
-        meets[i] = entry[i] < SPH__QUERY_MISS;
+    for (size_t i = 0; i < count; i += 64)
+        for (uint64_t mask = sph__query_pack(meets + i); mask != 0; mask &= mask - 1) {
+            const size_t k = i + (size_t)__builtin_ctzll(mask);
+            met[found] = (uint32_t)(begin + k);
+            entry[found++] = all[k];
+        }
+    return found;
 }
 
 /* `end`, or what makes whole vectors: rows are padded, and so must be what is written. */
@@ -57,17 +76,13 @@ static size_t whole(size_t begin, size_t end)
     return (end - begin + SPH__QUERY_LANES - 1) / SPH__QUERY_LANES * SPH__QUERY_LANES;
 }
 
-void sph__query_kernel_entries(const sph__query_bounds *bounds, size_t begin, size_t end, const sph__query_ray *ray,
-                               float *entry, uint8_t *meets)
+uint32_t sph__query_kernel_meet(const sph__query_bounds *bounds, size_t begin, size_t end, const sph__query_ray *ray,
+                                uint32_t *met, float *entry)
 {
-    const float *near[3], *far[3];
-    for (int k = 0; k < 3; ++k) { /* without branches: the signs are as good as random */
-        const float *const rows[2] = {bounds->low[k], bounds->high[k]};
-        const int down = ray->inverse[k] < 0;
-        near[k] = rows[down];
-        far[k] = rows[!down];
-    }
-    entries_clones(near, far, begin, whole(begin, end), ray, entry, meets);
+    uint32_t found = meet_clones(bounds, begin, whole(begin, end), ray, met, entry);
+    while (found > 0 && met[found - 1] >= end) /* of another leaf */
+        --found;
+    return found;
 }
 
 SPH__CLONES static void distances_clones(const float *const low[3], const float *const high[3], size_t begin,

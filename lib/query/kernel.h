@@ -11,7 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { SPH__QUERY_LANES = 16 };
+enum {
+    SPH__QUERY_LANES = 16,
+    SPH__QUERY_CHUNK = 256 /* boxes that are tested at a time; a multiple of 64 */
+};
 
 /* Rows, padded by a whole vector of boxes that nothing meets. */
 typedef struct sph__query_bounds {
@@ -19,9 +22,11 @@ typedef struct sph__query_bounds {
     float *low[3], *high[3];
 } sph__query_bounds;
 
-/* A segment p + t d, 0 <= t <= 1, along which something of extent `reach` moves. */
+/*
+ * A segment p + t d, 0 <= t <= 1, along which something of extent `reach` moves. Where bounds are no help, all are met.
+ */
 typedef struct sph__query_ray {
-    float enter[3], leave[3]; /* p, moved by the reach towards the plane of a box that is entered, left */
+    float above[3], below[3]; /* p plus, minus the reach */
     float inverse[3];         /* 1 / d, never infinite */
     float from[3], way[3];    /* p, d */
     float reach;
@@ -30,14 +35,17 @@ typedef struct sph__query_ray {
 /* What `entry` says where the segment does not meet the box. */
 #define SPH__QUERY_MISS 2.0f
 
+/* A segment that meets all bounds; none. */
+extern const sph__query_ray sph__query_ray_all, sph__query_ray_none;
+
 void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3], double reach);
 
 /*
- * entry[i] = the least t at which the segment is in the box begin + i, or SPH__QUERY_MISS; meets[i] = 1, or 0 then; for
- * whole vectors from `begin`.
+ * Which of the boxes [begin, end), at most SPH__QUERY_CHUNK, the segment meets: their numbers in ascending order, and
+ * the least t at which it is in each; returns how many.
  */
-void sph__query_kernel_entries(const sph__query_bounds *bounds, size_t begin, size_t end, const sph__query_ray *ray,
-                               float *entry, uint8_t *meets);
+uint32_t sph__query_kernel_meet(const sph__query_bounds *bounds, size_t begin, size_t end, const sph__query_ray *ray,
+                                uint32_t *met, float *entry);
 
 /* bound[i] = a signed distance from x to box begin + i: nothing in it has a lesser one. */
 void sph__query_kernel_distances(const sph__query_bounds *bounds, size_t begin, size_t end, const float x[3],

@@ -195,7 +195,7 @@ static bool allocate_bounds(sph_query *q)
         b->high[k] = row + stride;
         for (size_t i = 0; i < stride; ++i) { /* nothing meets those that no primitive will have */
             b->low[k][i] = 1e15f;
-            b->high[k][i] = -1e15f;
+            b->high[k][i] = 1e15f;
         }
         row += 2 * stride;
     }

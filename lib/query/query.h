@@ -11,9 +11,9 @@
 #include "level/solid.h"
 #include "query/fan.h"
 #include "query/kernel.h"
+#include "query/wave.h"
 
 enum {
-    SPH__QUERY_CHUNK = 256,    /* bounds that the exhaustive search tests at a time; a multiple of the lanes */
     SPH__QUERY_LEAF = 16,      /* primitives per leaf of the tree */
     SPH__QUERY_TREE_FROM = 512 /* primitives from which on the tree is quicker */
 };
