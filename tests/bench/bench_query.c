@@ -2,10 +2,11 @@
 /*
  * Queries per second on one core.
  *
- *   bench_query [LEVEL.sphm|LEVEL.json] [--mesh INPUT [--cache CACHE]] [--spheres K] [--frame F] [--json]
+ *   bench_query [LEVEL.sphm|LEVEL.json] [--mesh INPUT [--cache CACHE]] [--spheres K] [--frame F] [--batch N]
+ *               [--tree|--exhaustive] [--json]
  *
  * Without a level, one of K spheres (default 40) is built from INPUT, or from a built-in animated torus. The mesh is
- * what other libraries are asked about.
+ * what other libraries are asked about. Casts are asked N at a time (default and most: 1000).
  */
 #define _XOPEN_SOURCE 700
 
@@ -129,10 +130,13 @@ static sph_hit hits[QUERIES];
 static sph_nearest nearest[QUERIES];
 static uint8_t flags[QUERIES];
 
+static size_t batch = PART;
+
 static size_t run_cast(void *query, const sph_sweep *sweeps)
 {
     size_t count = 0;
-    if (sph_query_cast(query, sweeps, PART, hits) != SPH_OK) die("cast");
+    for (size_t i = 0; i < PART; i += batch)
+        if (sph_query_cast(query, sweeps + i, PART - i < batch ? PART - i : batch, hits + i) != SPH_OK) die("cast");
     for (size_t i = 0; i < PART; ++i)
         count += hits[i].hit;
     return count;
@@ -224,7 +228,7 @@ static void measure_pose(sph_query *query, uint32_t frames)
 }
 
 static void measure_others(const bench_mesh *mesh, const sph_level_arrays *level, uint32_t frame,
-                           const sph_sweep *const sweeps[3])
+                           const sph_sweep *const sweeps[4])
 {
     (void)mesh;
     (void)level;
@@ -246,7 +250,11 @@ static void measure_others(const bench_mesh *mesh, const sph_level_arrays *level
     }
 #endif
 #ifdef HAVE_EMBREE
-    if (mesh->triangle_count > 0) measure("embree_mesh_rays", run_embree, bench_embree_mesh(mesh), sweeps[2]);
+    if (mesh->triangle_count > 0) {
+        void *scene = bench_embree_mesh(mesh);
+        measure("embree_mesh_rays_long", run_embree, scene, sweeps[2]);
+        measure("embree_mesh_rays_short", run_embree, scene, sweeps[3]);
+    }
 #endif
 }
 
@@ -329,6 +337,8 @@ int main(int argc, char **argv)
             spheres = (uint32_t)atoi(argv[++i]);
         else if (strcmp(argv[i], "--frame") == 0 && i + 1 < argc)
             frame = (uint32_t)atoi(argv[++i]);
+        else if (strcmp(argv[i], "--batch") == 0 && i + 1 < argc && atoi(argv[i + 1]) > 0)
+            batch = (size_t)atoi(argv[++i]);
         else if (argv[i][0] != '-')
             level_path = argv[i];
         else {
