@@ -11,53 +11,18 @@
 #include "io/level_glb.h"
 
 enum { GRID = 6, SIDE = (GRID + 1) * (GRID + 1), BALL_VERTICES = 6 * SIDE, BALL_CORNERS = 6 * GRID * GRID * 6 };
-enum { JOINT_LIMIT = 65535, FLOAT_TYPE = 5126, SHORT_TYPE = 5123, INTEGER_TYPE = 5125, VERTEX_TARGET = 34962 };
-enum { INDEX_TARGET = 34963, FRAMES_PER_SECOND = 30 };
-
-void sph__io_glb_add(sph__io_glb *w, const char *format, ...)
-{
-    char text[256];
-    void *memory = w->text;
-    va_list arguments;
-    size_t length;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    length = strlen(text);
-    if (w->failed || !sph__io_reserve(w->context, &memory, &w->capacity, w->length + length, 1)) {
-        w->failed = true;
-        return;
-    }
-    w->text = memory;
-    memcpy(w->text + w->length, text, length);
-    w->length += length;
-}
-
-void sph__io_glb_add_float(sph__io_glb *w, float value)
-{
-    char text[SPH__IO_FLOAT_TEXT];
-    (void)sph__io_format_float(text, value);
-    sph__io_glb_add(w, "%s", text);
-}
+enum { JOINT_LIMIT = 65535, FRAMES_PER_SECOND = 30 };
 
 /* What has no bytes has no view. */
 static void add_view(sph__io_glb *w, int which, uint64_t size, int target)
 {
-    if (size == 0) return;
-    sph__io_glb_add(w, "%s{\"buffer\":0,\"byteOffset\":%llu,\"byteLength\":%llu", w->views == 0 ? "" : ",",
-        (unsigned long long)w->binary, (unsigned long long)size);
-    if (target != 0) sph__io_glb_add(w, ",\"target\":%d", target);
-    sph__io_glb_add(w, "}");
-    w->binary += size;
-    w->view[which] = w->views++;
+    if (size != 0) w->view[which] = sph__io_gltf_add_view(&w->file, size, target);
 }
 
 static void add_accessor(sph__io_glb *w, int which, uint64_t offset, int type, const char *width, size_t count,
                          const char *more)
 {
-    sph__io_glb_add(w, "%s{\"bufferView\":%u,\"byteOffset\":%llu,\"componentType\":%d,\"type\":\"%s\",\"count\":%zu%s}",
-        w->accessors == 0 ? "" : ",", w->view[which], (unsigned long long)offset, type, width, count, more);
-    ++w->accessors;
+    (void)sph__io_gltf_add_accessor(&w->file, w->view[which], offset, type, width, count, more);
 }
 
 static bool has_simplices(const sph_level_arrays *a)
@@ -69,18 +34,16 @@ static void describe_buffers(sph__io_glb *w)
 {
     const sph_level_arrays *a = w->a;
     const uint64_t joints = has_simplices(a) ? a->sphere_count : 0, frames = a->frame_count > 1 ? a->frame_count : 0;
-    sph__io_glb_add(w, "\"bufferViews\":[");
-    add_view(w, BALL, BALL_VERTICES * 12, VERTEX_TARGET);
-    add_view(w, BALL_INDICES, BALL_CORNERS * 2, INDEX_TARGET);
-    add_view(w, ORIGINS, joints * 12, VERTEX_TARGET);
-    add_view(w, JOINTS, joints * 8, VERTEX_TARGET);
-    add_view(w, WEIGHTS, joints * 16, VERTEX_TARGET);
-    add_view(w, TRIANGLES, (uint64_t)a->triangle_count * 12, INDEX_TARGET);
-    add_view(w, EDGES, (uint64_t)a->edge_count * 8, INDEX_TARGET);
+    add_view(w, BALL, BALL_VERTICES * 12, SPH__GLTF_VERTICES);
+    add_view(w, BALL_INDICES, BALL_CORNERS * 2, SPH__GLTF_INDICES);
+    add_view(w, ORIGINS, joints * 12, SPH__GLTF_VERTICES);
+    add_view(w, JOINTS, joints * 8, SPH__GLTF_VERTICES);
+    add_view(w, WEIGHTS, joints * 16, SPH__GLTF_VERTICES);
+    add_view(w, TRIANGLES, (uint64_t)a->triangle_count * 12, SPH__GLTF_INDICES);
+    add_view(w, EDGES, (uint64_t)a->edge_count * 8, SPH__GLTF_INDICES);
     add_view(w, TIMES, frames * 4, 0);
     add_view(w, CENTERS, frames * a->sphere_count * 12, 0);
     add_view(w, SCALES, a->radii_per_frame ? frames * a->sphere_count * 12 : 0, 0);
-    sph__io_glb_add(w, "],\"buffers\":[{\"byteLength\":%llu}]", (unsigned long long)w->binary);
 }
 
 static void describe_accessors(sph__io_glb *w)
@@ -89,24 +52,22 @@ static void describe_accessors(sph__io_glb *w)
     char last[SPH__IO_FLOAT_TEXT], range[96];
     (void)sph__io_format_float(last, (float)(a->frame_count - 1) / FRAMES_PER_SECOND);
     snprintf(range, sizeof range, ",\"min\":[0],\"max\":[%s]", last);
-    sph__io_glb_add(w, ",\"accessors\":[");
-    add_accessor(w, BALL, 0, FLOAT_TYPE, "VEC3", BALL_VERTICES, ",\"min\":[-1,-1,-1],\"max\":[1,1,1]");
-    add_accessor(w, BALL_INDICES, 0, SHORT_TYPE, "SCALAR", BALL_CORNERS, "");
+    add_accessor(w, BALL, 0, SPH__GLTF_FLOAT, "VEC3", BALL_VERTICES, ",\"min\":[-1,-1,-1],\"max\":[1,1,1]");
+    add_accessor(w, BALL_INDICES, 0, SPH__GLTF_U16, "SCALAR", BALL_CORNERS, "");
     if (has_simplices(a)) {
-        add_accessor(w, ORIGINS, 0, FLOAT_TYPE, "VEC3", a->sphere_count, ",\"min\":[0,0,0],\"max\":[0,0,0]");
-        add_accessor(w, JOINTS, 0, SHORT_TYPE, "VEC4", a->sphere_count, "");
-        add_accessor(w, WEIGHTS, 0, FLOAT_TYPE, "VEC4", a->sphere_count, "");
+        add_accessor(w, ORIGINS, 0, SPH__GLTF_FLOAT, "VEC3", a->sphere_count, ",\"min\":[0,0,0],\"max\":[0,0,0]");
+        add_accessor(w, JOINTS, 0, SPH__GLTF_U16, "VEC4", a->sphere_count, "");
+        add_accessor(w, WEIGHTS, 0, SPH__GLTF_FLOAT, "VEC4", a->sphere_count, "");
     }
-    if (a->triangle_count > 0) add_accessor(w, TRIANGLES, 0, INTEGER_TYPE, "SCALAR", 3 * a->triangle_count, "");
-    if (a->edge_count > 0) add_accessor(w, EDGES, 0, INTEGER_TYPE, "SCALAR", 2 * a->edge_count, "");
+    if (a->triangle_count > 0) add_accessor(w, TRIANGLES, 0, SPH__GLTF_U32, "SCALAR", 3 * a->triangle_count, "");
+    if (a->edge_count > 0) add_accessor(w, EDGES, 0, SPH__GLTF_U32, "SCALAR", 2 * a->edge_count, "");
     if (a->frame_count > 1) {
-        add_accessor(w, TIMES, 0, FLOAT_TYPE, "SCALAR", a->frame_count, range);
+        add_accessor(w, TIMES, 0, SPH__GLTF_FLOAT, "SCALAR", a->frame_count, range);
         for (uint32_t i = 0; i < a->sphere_count; ++i)
-            add_accessor(w, CENTERS, (uint64_t)i * a->frame_count * 12, FLOAT_TYPE, "VEC3", a->frame_count, "");
+            add_accessor(w, CENTERS, (uint64_t)i * a->frame_count * 12, SPH__GLTF_FLOAT, "VEC3", a->frame_count, "");
         for (uint32_t i = 0; i < a->sphere_count && a->radii_per_frame; ++i)
-            add_accessor(w, SCALES, (uint64_t)i * a->frame_count * 12, FLOAT_TYPE, "VEC3", a->frame_count, "");
+            add_accessor(w, SCALES, (uint64_t)i * a->frame_count * 12, SPH__GLTF_FLOAT, "VEC3", a->frame_count, "");
     }
-    sph__io_glb_add(w, "]");
 }
 
 /* Node 0 holds the spheres, 1 to K, as the joints of a skin must have a common root; K + 1 shows the simplices. */
@@ -114,84 +75,76 @@ static void describe_nodes(sph__io_glb *w)
 {
     const sph_level_arrays *a = w->a;
     const uint32_t first = a->sphere_count + 1 + has_simplices(a); /* node that is free */
-    sph__io_glb_add(w, ",\"scene\":0,\"scenes\":[{\"nodes\":[0");
-    if (has_simplices(a)) sph__io_glb_add(w, ",%u", (unsigned)a->sphere_count + 1);
+    sph__io_text_add(&w->file.json, ",\"scene\":0,\"scenes\":[{\"nodes\":[0");
+    if (has_simplices(a)) sph__io_text_add(&w->file.json, ",%u", (unsigned)a->sphere_count + 1);
     if (w->of != NULL) sph__io_glb_scene_extras(w, first);
-    sph__io_glb_add(w, "%s}],\"nodes\":[{\"name\":\"spheres\",\"children\":[", w->of == NULL ? "]" : "");
+    sph__io_text_add(&w->file.json, "%s}],\"nodes\":[{\"name\":\"spheres\",\"children\":[", w->of == NULL ? "]" : "");
     for (uint32_t i = 0; i < a->sphere_count; ++i)
-        sph__io_glb_add(w, "%s%u", i == 0 ? "" : ",", (unsigned)i + 1);
-    sph__io_glb_add(w, "]}");
+        sph__io_text_add(&w->file.json, "%s%u", i == 0 ? "" : ",", (unsigned)i + 1);
+    sph__io_text_add(&w->file.json, "]}");
     for (uint32_t i = 0; i < a->sphere_count; ++i) {
-        sph__io_glb_add(w, ",{\"mesh\":0,\"translation\":[");
+        sph__io_text_add(&w->file.json, ",{\"mesh\":0,\"translation\":[");
         for (int k = 0; k < 3; ++k) {
-            if (k > 0) sph__io_glb_add(w, ",");
-            sph__io_glb_add_float(w, a->centers[3 * (size_t)i + k]);
+            if (k > 0) sph__io_text_add(&w->file.json, ",");
+            sph__io_text_float(&w->file.json, a->centers[3 * (size_t)i + k]);
         }
-        sph__io_glb_add(w, "],\"scale\":[");
+        sph__io_text_add(&w->file.json, "],\"scale\":[");
         for (int k = 0; k < 3; ++k) {
-            if (k > 0) sph__io_glb_add(w, ",");
-            sph__io_glb_add_float(w, a->radii[i]);
+            if (k > 0) sph__io_text_add(&w->file.json, ",");
+            sph__io_text_float(&w->file.json, a->radii[i]);
         }
-        sph__io_glb_add(w, "]");
+        sph__io_text_add(&w->file.json, "]");
         if (w->of != NULL) sph__io_glb_sphere_extras(w, i);
-        sph__io_glb_add(w, "}");
+        sph__io_text_add(&w->file.json, "}");
     }
-    if (has_simplices(a)) sph__io_glb_add(w, ",{\"name\":\"simplices\",\"mesh\":1,\"skin\":0}");
+    if (has_simplices(a)) sph__io_text_add(&w->file.json, ",{\"name\":\"simplices\",\"mesh\":1,\"skin\":0}");
     if (w->of != NULL) sph__io_glb_primitives(w, first);
-    sph__io_glb_add(w, "]");
+    sph__io_text_add(&w->file.json, "]");
 }
 
 static void describe_meshes(sph__io_glb *w)
 {
     static const char ATTRIBUTES[] = "{\"attributes\":{\"POSITION\":2,\"JOINTS_0\":3,\"WEIGHTS_0\":4},\"material\":1,";
     const sph_level_arrays *a = w->a;
-    sph__io_glb_add(w, ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0.55,0.2,1],\"metallicFactor\":0}},"
-           "{\"doubleSided\":true,\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.25,0.5,0.8,1],");
-    sph__io_glb_add(w, "\"metallicFactor\":0}}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0},"
-           "\"indices\":1,\"material\":0}]}");
+    sph__io_text_add(
+        &w->file.json,
+        ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0.55,0.2,1],\"metallicFactor\":0}},"
+        "{\"doubleSided\":true,\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.25,0.5,0.8,1],");
+    sph__io_text_add(
+        &w->file.json,
+        "\"metallicFactor\":0}}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0},"
+        "\"indices\":1,\"material\":0}]}");
     if (has_simplices(a)) {
-        sph__io_glb_add(w, ",{\"primitives\":[");
-        if (a->triangle_count > 0) sph__io_glb_add(w, "%s\"indices\":5}%s", ATTRIBUTES, a->edge_count > 0 ? "," : "");
-        if (a->edge_count > 0) sph__io_glb_add(w, "%s\"indices\":%d,\"mode\":1}", ATTRIBUTES, a->triangle_count > 0 ? 6 : 5);
-        sph__io_glb_add(w, "]}],\"skins\":[{\"skeleton\":0,\"joints\":[");
+        sph__io_text_add(&w->file.json, ",{\"primitives\":[");
+        if (a->triangle_count > 0)
+            sph__io_text_add(&w->file.json, "%s\"indices\":5}%s", ATTRIBUTES, a->edge_count > 0 ? "," : "");
+        if (a->edge_count > 0)
+            sph__io_text_add(&w->file.json, "%s\"indices\":%d,\"mode\":1}", ATTRIBUTES, a->triangle_count > 0 ? 6 : 5);
+        sph__io_text_add(&w->file.json, "]}],\"skins\":[{\"skeleton\":0,\"joints\":[");
         for (uint32_t i = 0; i < a->sphere_count; ++i)
-            sph__io_glb_add(w, "%s%u", i == 0 ? "" : ",", (unsigned)i + 1);
-        sph__io_glb_add(w, "]}");
+            sph__io_text_add(&w->file.json, "%s%u", i == 0 ? "" : ",", (unsigned)i + 1);
+        sph__io_text_add(&w->file.json, "]}");
     }
-    sph__io_glb_add(w, "]");
+    sph__io_text_add(&w->file.json, "]");
 }
 
 static void describe_animation(sph__io_glb *w)
 {
     const sph_level_arrays *a = w->a;
     const unsigned channels = a->sphere_count * (a->radii_per_frame ? 2 : 1);
-    const unsigned times = w->accessors - channels - 1;
+    const unsigned times = w->file.accessor_count - channels - 1;
     if (a->frame_count < 2) return;
-    sph__io_glb_add(w, ",\"animations\":[{\"channels\":[");
+    sph__io_text_add(&w->file.json, ",\"animations\":[{\"channels\":[");
     for (unsigned i = 0; i < channels; ++i)
-        sph__io_glb_add(w, "%s{\"sampler\":%u,\"target\":{\"node\":%u,\"path\":\"%s\"}}", i == 0 ? "" : ",", i,
-            i % a->sphere_count + 1, i < a->sphere_count ? "translation" : "scale");
-    sph__io_glb_add(w, "],\"samplers\":[");
+        sph__io_text_add(&w->file.json, "%s{\"sampler\":%u,\"target\":{\"node\":%u,\"path\":\"%s\"}}",
+                         i == 0 ? "" : ",", i, i % a->sphere_count + 1, i < a->sphere_count ? "translation" : "scale");
+    sph__io_text_add(&w->file.json, "],\"samplers\":[");
     for (unsigned i = 0; i < channels; ++i)
-        sph__io_glb_add(w, "%s{\"input\":%u,\"output\":%u}", i == 0 ? "" : ",", times, times + 1 + i);
-    sph__io_glb_add(w, "]}]");
+        sph__io_text_add(&w->file.json, "%s{\"input\":%u,\"output\":%u}", i == 0 ? "" : ",", times, times + 1 + i);
+    sph__io_text_add(&w->file.json, "]}]");
 }
 
 /* --- bytes --- */
-
-static void put(sph__io_output *o, uint32_t value, unsigned size)
-{
-    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8), (unsigned char)(value >> 16),
-                                    (unsigned char)(value >> 24)};
-    sph__io_output_bytes(o, bytes, size);
-}
-
-static void put_float(sph__io_output *o, float value)
-{
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    put(o, bits, 4);
-}
 
 /* The six sides of a cube, each a grid blown up to the unit sphere. */
 static void put_ball(sph__io_output *o)
@@ -206,13 +159,13 @@ static void put_ball(sph__io_output *o)
         p[(axis + 1) % 3] = u / length;
         p[(axis + 2) % 3] = v / length;
         for (int k = 0; k < 3; ++k)
-            put_float(o, p[k]);
+            sph__io_put_float(o, p[k]);
     }
     for (unsigned cell = 0; cell < 6 * GRID * GRID; ++cell) {
         const unsigned corner = cell / (GRID * GRID) * SIDE + cell % (GRID * GRID) / GRID * (GRID + 1) + cell % GRID;
         const unsigned corners[6] = {0, 1, GRID + 2, 0, GRID + 2, GRID + 1};
         for (int k = 0; k < 6; ++k)
-            put(o, corner + corners[k], 2);
+            sph__io_put(o, corner + corners[k], 2);
     }
 }
 
@@ -220,87 +173,67 @@ static void put_simplices(sph__io_output *o, const sph_level_arrays *a)
 {
     const uint32_t count = has_simplices(a) ? a->sphere_count : 0;
     for (uint32_t i = 0; i < 3 * count; ++i)
-        put_float(o, 0);
+        sph__io_put_float(o, 0);
     for (uint32_t i = 0; i < 4 * count; ++i)
-        put(o, i % 4 == 0 ? i / 4 : 0, 2);
+        sph__io_put(o, i % 4 == 0 ? i / 4 : 0, 2);
     for (uint32_t i = 0; i < 4 * count; ++i)
-        put_float(o, i % 4 == 0 ? 1 : 0);
+        sph__io_put_float(o, i % 4 == 0 ? 1 : 0);
     for (size_t i = 0; i < 3 * a->triangle_count; ++i)
-        put(o, a->triangles[i], 4);
+        sph__io_put(o, a->triangles[i], 4);
     for (size_t i = 0; i < 2 * a->edge_count; ++i)
-        put(o, a->edges[i], 4);
+        sph__io_put(o, a->edges[i], 4);
 }
 
 static void put_motion(sph__io_output *o, const sph_level_arrays *a)
 {
     if (a->frame_count < 2) return;
     for (uint32_t f = 0; f < a->frame_count; ++f)
-        put_float(o, (float)f / FRAMES_PER_SECOND);
+        sph__io_put_float(o, (float)f / FRAMES_PER_SECOND);
     for (uint32_t i = 0; i < a->sphere_count; ++i)
         for (uint32_t f = 0; f < a->frame_count; ++f)
             for (int k = 0; k < 3; ++k)
-                put_float(o, a->centers[3 * ((size_t)f * a->sphere_count + i) + k]);
+                sph__io_put_float(o, a->centers[3 * ((size_t)f * a->sphere_count + i) + k]);
     for (uint32_t i = 0; i < a->sphere_count && a->radii_per_frame; ++i)
         for (uint32_t f = 0; f < a->frame_count; ++f)
             for (int k = 0; k < 3; ++k)
-                put_float(o, a->radii[(size_t)f * a->sphere_count + i]);
-}
-
-static void put_file(sph__io_output *o, const sph__io_glb *w)
-{
-    sph__io_output_bytes(o, "glTF", 4);
-    put(o, 2, 4);
-    put(o, (uint32_t)(12 + 8 + w->length + 8 + w->binary), 4);
-    put(o, (uint32_t)w->length, 4);
-    sph__io_output_bytes(o, "JSON", 4);
-    sph__io_output_bytes(o, w->text, w->length);
-    put(o, (uint32_t)w->binary, 4);
-    sph__io_output_bytes(o, "BIN", 4);
-    put_ball(o);
-    put_simplices(o, w->a);
-    put_motion(o, w->a);
-}
-
-/* What keeps the level from being a GLB. */
-static sph_status check_size(const sph__io_glb *w, const char *path)
-{
-    if (w->failed) return sph__io_fail_memory(w->context, path);
-    if (w->binary + w->length <= UINT32_MAX - 28) return SPH_OK;
-    return sph__io_fail(w->context, SPH_E_LIMIT, "%s: more than 4 GB, which a GLB cannot be", sph__io_shown(path));
+                sph__io_put_float(o, a->radii[(size_t)f * a->sphere_count + i]);
 }
 
 static void describe(sph__io_glb *w)
 {
-    sph__io_glb_add(w, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"libsphmesh\"},");
     describe_buffers(w);
     describe_accessors(w);
     describe_nodes(w);
     describe_meshes(w);
     describe_animation(w);
-    sph__io_glb_add(w, "}");
-    while (w->length % 4 != 0 && !w->failed)
-        sph__io_glb_add(w, " ");
+    sph__io_gltf_close_json(&w->file, NULL);
 }
 
 static void write_glb(sph__io_output *output, const sph_level_arrays *arrays, const sph__io_export *of)
 {
-    sph__io_glb w = {.context = output->context, .a = arrays, .of = of};
+    sph_context *context = output->context;
+    sph__io_glb w = {.a = arrays, .of = of};
     sph_status status = SPH_OK;
+    sph__io_gltf_writer_open(&w.file, context);
     if (arrays->sphere_count > JOINT_LIMIT)
-        status = sph__io_fail(w.context, SPH_E_LIMIT, "%s: %u spheres, a GLB takes %d", sph__io_shown(output->target),
+        status = sph__io_fail(context, SPH_E_LIMIT, "%s: %u spheres, a GLB takes %d", sph__io_shown(output->target),
                               (unsigned)arrays->sphere_count, JOINT_LIMIT);
     else if (of != NULL && (w.used = sph__io_export_used(of)) == NULL)
-        status = sph__io_fail_memory(w.context, output->target);
+        status = sph__io_fail_memory(context, output->target);
     if (status == SPH_OK) {
         describe(&w);
-        status = check_size(&w, output->target);
+        status = sph__io_gltf_check(&w.file, output->target);
     }
-    if (status == SPH_OK)
-        put_file(output, &w);
-    else if (output->status == SPH_OK)
+    if (status == SPH_OK) {
+        sph__io_gltf_put_head(output, &w.file.json, w.file.binary);
+        put_ball(output);
+        put_simplices(output, arrays);
+        put_motion(output, arrays);
+    } else if (output->status == SPH_OK) {
         output->status = status;
-    sph_context_release(w.context, w.text);
-    sph_context_release(w.context, w.used);
+    }
+    sph__io_gltf_writer_release(&w.file);
+    sph_context_release(context, w.used);
 }
 
 void sph__io_level_glb_write(sph__io_output *output, const sph_level_arrays *arrays)
