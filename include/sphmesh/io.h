@@ -208,6 +208,42 @@ SPH_API sph_status sph_io_save_level(sph_context *context, const sph_level *leve
  */
 SPH_API sph_status sph_io_save_surface(sph_context *context, const sph_surface *surface, uint32_t index,
                                        const char *path);
+/** How a rig's weights are written. Whole numbers have a sum of exactly one, as floats do. */
+enum { SPH_IO_WEIGHTS_FLOAT = 0, SPH_IO_WEIGHTS_U8 = 1, SPH_IO_WEIGHTS_U16 = 2 };
+
+/** Options of sph_io_save_rig(). Fill with sph_io_rig_options_init() first. */
+typedef struct sph_io_rig_options {
+    uint32_t struct_size;     /**< bytes the caller knows of; written by the initialiser */
+    uint32_t flags;           /**< must be 0 */
+    int32_t weights;          /**< one of SPH_IO_WEIGHTS_*; default float */
+    uint32_t reserved0;       /**< must be 0 */
+    double frames_per_second; /**< of clips that do not know theirs; finite, > 0; default 30 */
+} sph_io_rig_options;
+
+/** @brief Fills `options` with the defaults. Call as `sph_io_rig_options_init(&o, sizeof o)`. @since 0.1 */
+SPH_API void sph_io_rig_options_init(sph_io_rig_options *options, size_t size);
+
+/**
+ * @brief Saves a skin as a skinned, animated glTF 2.0: `.glb`, or `.gltf` with its buffer as `.bin` beside it.
+ *
+ * Mesh with normals of the rest pose, joints as nodes that hang on one another, inverse bind matrices, and for each clip an
+ * animation with a key for each frame and bone. docs/formats.md has the details. What is rounded to floats in a joint is made
+ * good by those that hang on it, so that a long chain is as exact as a short one.
+ * @param[in] context   takes the message of a failure.
+ * @param[in] skin      whose transforms are rigid.
+ * @param[in] skeleton  of this skin; NULL: as sph_skeleton_create() makes it without options.
+ * @param[in] options   may be NULL: all defaults.
+ * @retval SPH_E_INVALID      NULL, bad options, a skeleton of another number of bones, or frames per second of a clip that are
+ *                            not from 1e-6 to 1e6.
+ * @retval SPH_E_UNSUPPORTED  another ending, or a transform that is not rigid; the message names bone and frame.
+ * @retval SPH_E_LIMIT        more than 65536 joints, 4194304 frames in a clip, or 4 GB.
+ * @retval SPH_E_IO           a file cannot be written: the message has the path and the reason.
+ * @retval SPH_E_NOMEM        out of memory.
+ * @retval SPH_E_CANCELLED    progress asked to stop. Whatever fails, no file is left half written.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_save_rig(sph_context *context, const sph_skin *skin, const sph_skeleton *skeleton,
+                                   const sph_io_rig_options *options, const char *path);
 /** @brief Loads a level from `.sphm` or `.json`. @since 0.1 */
 SPH_API sph_status sph_io_load_level(sph_context *context, const char *path, sph_level **out);
 

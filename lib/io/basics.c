@@ -93,3 +93,29 @@ bool sph__io_has_ending(const char *path, const char *ending)
         if (lower(path[length - size + i]) != lower(ending[i])) return false;
     return true;
 }
+
+void sph__io_options_init(void *options, size_t size, const void *defaults, size_t full, size_t least)
+{
+    const uint32_t struct_size = (uint32_t)size;
+    if (options == NULL || size < least || size > UINT32_MAX) return;
+    memset(options, 0, size); /* a newer caller's tail becomes 0 */
+    memcpy(options, defaults, size < full ? size : full);
+    memcpy(options, &struct_size, sizeof struct_size);
+}
+
+sph_status sph__io_options_read(sph_context *context, const char *name, const void *in, void *out, size_t full,
+                                size_t least)
+{
+    uint32_t size;
+    if (in == NULL) return SPH_OK;
+    memcpy(&size, in, sizeof size);
+    if (size < least)
+        return sph__io_fail(context, SPH_E_INVALID, "%s was not initialised: struct_size is %u, at least %zu is needed",
+                            name, (unsigned)size, least);
+    for (size_t i = full; i < size; ++i)
+        if (((const unsigned char *)in)[i] != 0)
+            return sph__io_fail(context, SPH_E_VERSION, "%s has a field set (byte %zu) that this version does not know",
+                                name, i);
+    memcpy(out, in, size < full ? size : full);
+    return SPH_OK;
+}

@@ -11,6 +11,7 @@ enum { HEAD_SIZE = 12 + 8 + 8 };
 void sph__io_text_bytes(sph__io_text *t, const char *bytes, size_t length)
 {
     void *memory = t->text;
+    if (length == 0) return;
     if (t->failed || !sph__io_reserve(t->context, &memory, &t->capacity, t->length + length, 1)) {
         t->failed = true;
         return;

@@ -27,6 +27,11 @@ char *sph__io_copy_string(sph_context *context, const char *text);
 /* Whether a name ends in `.ending`, in any case of letters. */
 bool sph__io_has_ending(const char *path, const char *ending);
 
+/* Options that grow: as sph__options_init() and sph__options_read() of the core. */
+void sph__io_options_init(void *options, size_t size, const void *defaults, size_t full, size_t least);
+sph_status sph__io_options_read(sph_context *context, const char *name, const void *in, void *out, size_t full,
+                                size_t least);
+
 /* --- numbers (number.c): decimal point whatever the locale --- */
 
 /*

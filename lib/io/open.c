@@ -30,26 +30,15 @@ static const sph_io_open_options OPEN_DEFAULTS = {
 
 void sph_io_open_options_init(sph_io_open_options *options, size_t size)
 {
-    const uint32_t struct_size = (uint32_t)size;
-    if (options == NULL || size < OPEN_OPTIONS_V1 || size > UINT32_MAX) return;
-    memset(options, 0, size); /* a newer caller's tail becomes 0 */
-    memcpy(options, &OPEN_DEFAULTS, size < sizeof OPEN_DEFAULTS ? size : sizeof OPEN_DEFAULTS);
-    memcpy(options, &struct_size, sizeof struct_size);
+    sph__io_options_init(options, size, &OPEN_DEFAULTS, sizeof OPEN_DEFAULTS, OPEN_OPTIONS_V1);
 }
 
 static sph_status read_options(sph_context *context, const sph_io_open_options *in, sph_io_open_options *o)
 {
+    sph_status status;
     *o = OPEN_DEFAULTS;
-    if (in == NULL) return SPH_OK;
-    if (in->struct_size < OPEN_OPTIONS_V1)
-        return sph__io_fail(context, SPH_E_INVALID,
-                            "sph_io_open_options was not initialised: struct_size is %u, at least %d is needed",
-                            (unsigned)in->struct_size, OPEN_OPTIONS_V1);
-    for (size_t i = sizeof *o; i < in->struct_size; ++i)
-        if (((const unsigned char *)in)[i] != 0)
-            return sph__io_fail(context, SPH_E_VERSION,
-                                "sph_io_open_options has a field set (byte %zu) that this version does not know", i);
-    memcpy(o, in, in->struct_size < sizeof *o ? in->struct_size : sizeof *o);
+    status = sph__io_options_read(context, "sph_io_open_options", in, o, sizeof *o, OPEN_OPTIONS_V1);
+    if (status != SPH_OK) return status;
     if (o->flags != 0) return sph__io_fail(context, SPH_E_INVALID, "sph_io_open_options: flags must be 0");
     if (o->frame_step == 0) return sph__io_fail(context, SPH_E_INVALID, "the step between frames is 0");
     if (o->end_frame != 0 && o->end_frame <= o->first_frame)
