@@ -80,6 +80,9 @@ enum {
     SPH_SKIN_GEOMETRIC = 2  /**< the initial weights stay: transforms only */
 };
 
+/** For counts among the options: what suits the mode. */
+#define SPH_SKIN_AUTO UINT32_MAX
+
 /** Flags. */
 enum {
     SPH_SKIN_UNIFORM = 1 /**< all vertices count alike in what is minimised, and not by the area of their cells */
@@ -109,10 +112,13 @@ typedef struct sph_skin_options {
     uint32_t influence_limit; /**< k: most bones per vertex, from 1; default 4 */
     uint32_t rings;           /**< how many cells away from a vertex's own a bone may be, along adjacent cells;
                                    default 1, the paper's */
-    uint32_t round_limit;     /**< most rounds of transforms and weights; default 30 */
-    uint32_t rest_interval;   /**< the rest pose is optimised every so many rounds; 0: never; default 5 */
+    uint32_t round_limit;     /**< most rounds of transforms and weights; default #SPH_SKIN_AUTO: 60 for the animation
+                                   mode, else 30 */
+    uint32_t rest_interval;   /**< the rest pose is optimised every so many rounds; 0: never; default #SPH_SKIN_AUTO: 1
+                                   for the animation mode, else 5 */
     uint32_t initial_influence_count; /**< slots of `initial_bones` and `initial_weights`; 0 (default): none */
-    double tolerance;         /**< rounds end when the RMSE falls by less than this fraction in one; default 1e-3 */
+    double tolerance;         /**< rounds end when the RMSE, weighted as the energy is, changes by less than this
+                                   fraction per round, over five of them; default 1e-3 */
     double error_limit;       /**< rounds end when the RMSE is no more than so many percent of the diagonal; default 0 */
     double smoothness;        /**< gamma, squared diagonals of the bounding box; default 1e-4 */
     double filter_radius;     /**< sigma of the geodesic filter, diagonals; default 0.03 */

@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "numeric/numeric.h"
+
 /* One Jacobi rotation that makes a[p][q] zero. */
 static void annihilate(double a[4][4], double v[4][4], int p, int q)
 {
@@ -101,6 +103,56 @@ void sph__nearest_rotation(const double m[9], double rotation[9])
     quaternion_form(m, s);
     sph__sym4_eigen(s, values, vectors);
     sph__rotation_from_quaternion(vectors, rotation);
+}
+
+static void multiply(const double a[9], const double b[9], double out[9])
+{
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k)
+            out[3 * i + k] = a[3 * i] * b[k] + a[3 * i + 1] * b[3 + k] + a[3 * i + 2] * b[6 + k];
+}
+
+/*
+ * Newton's method for the turn w after which R'M is symmetric: (trace S I - S) w = axis of R'M, S its symmetric part. The
+ * matrix on the left is positive definite at the maximum of the trace, and at no other rotation where R'M is symmetric.
+ */
+void sph__nearest_rotation_from(const double m[9], const double near[9], double rotation[9])
+{
+    enum { STEPS = 6 };
+    double r[9], next[9];
+    memcpy(r, near, sizeof r);
+    for (int step = 0; step < STEPS; ++step) {
+        double a[9], left[6], axis[3], turn[4] = {0, 0, 0, 1}, by[9], size = 0, trace;
+        sph__sym3_factor factor;
+        for (int i = 0; i < 3; ++i)
+            for (int k = 0; k < 3; ++k)
+                a[3 * i + k] = r[i] * m[k] + r[3 + i] * m[3 + k] + r[6 + i] * m[6 + k];
+        trace = a[0] + a[4] + a[8];
+        left[0] = trace - a[0];
+        left[3] = trace - a[4];
+        left[5] = trace - a[8];
+        left[1] = -0.5 * (a[1] + a[3]);
+        left[2] = -0.5 * (a[2] + a[6]);
+        left[4] = -0.5 * (a[5] + a[7]);
+        axis[0] = a[7] - a[5];
+        axis[1] = a[2] - a[6];
+        axis[2] = a[3] - a[1];
+        for (int i = 0; i < 9; ++i)
+            size = fmax(size, fabs(a[i]));
+        if (!sph__sym3_factorize(left, &factor) || !(factor.pivot[2] > 1e-6 * size)) break;
+        if (fmax(fabs(axis[0]), fmax(fabs(axis[1]), fabs(axis[2]))) <= 4e-16 * size) {
+            memcpy(rotation, r, sizeof r);
+            return;
+        }
+        sph__sym3_solve(&factor, axis, turn);
+        if (!(sph__dot(turn, turn) < 1)) break; /* too far for a quadratic model */
+        for (int k = 0; k < 3; ++k)
+            turn[k] *= 0.5;
+        sph__rotation_from_quaternion(turn, by);
+        multiply(r, by, next);
+        memcpy(r, next, sizeof r);
+    }
+    sph__nearest_rotation(m, rotation);
 }
 
 void sph__quaternion_from_rotation(const double r[9], double q[4])

@@ -10,6 +10,12 @@
  */
 void sph__nearest_rotation(const double m[9], double rotation[9]);
 
+/*
+ * The same, quickly where the rotation `near` is not far off; the result is then as much of a rotation as `near` is.
+ * `rotation` may be `near`.
+ */
+void sph__nearest_rotation_from(const double m[9], const double near[9], double rotation[9]);
+
 /* Eigenvalues, falling, and eigenvectors, one per row, of a symmetric 4x4 matrix (all 16 numbers). */
 void sph__sym4_eigen(const double m[16], double values[4], double vectors[16]);
 

@@ -91,7 +91,6 @@ static sph_status decompose(sph__skin_job *j)
                                       .pivots = j->skin->pivots,
                                       .uniform = (j->options.flags & SPH_SKIN_UNIFORM) != 0};
     sph__problem *p = &j->problem;
-    uint32_t minor;
     sph_status status;
     sph__progress_part(&j->progress, 0.1);
     status = sph__problem_init(p, &input, &j->progress);
@@ -110,7 +109,7 @@ static sph_status decompose(sph__skin_job *j)
     for (size_t v = 0; v < p->n; ++v)
         for (int k = 0; k < 3; ++k)
             p->rest[3 * v + k] = (double)j->skin->rest[3 * (size_t)p->vertex[v] + k] - p->origin[k];
-    status = sph__fit_poses(p, j->skin, j->options.minor_bone, LAST_SWEEPS, &minor);
+    status = sph__fit_poses(p, j->skin, j->options.minor_bone, LAST_SWEEPS, true);
     if (status == SPH_OK) store_poses(p, j->skin);
     return status;
 }

@@ -13,12 +13,13 @@ typedef struct fit_job {
     const sph_skin *skin;
     const uint8_t *minor; /* [bones] */
     uint32_t first, sweeps;
+    bool exact; /* rotations of the last sweep from scratch */
     double *sums; /* [BATCH][sums_size] */
     size_t sums_size;
 } fit_job;
 
 /* The rigid motion of least squares from the normal equations of one bone in one frame. */
-static void solve_lane(const double *gram, const double *product, double *pose, int lane)
+static void solve_lane(const double *gram, const double *product, bool exact, double *pose, int lane)
 {
     enum { L = SPH__SKIN_LANES };
     static const int COLUMN[3] = {3, 6, 8}; /* of the sums of p in a gram */
@@ -29,7 +30,13 @@ static void solve_lane(const double *gram, const double *product, double *pose, 
         for (int b = 0; b < 3; ++b)
             m[3 * a + b] = product[(4 * a + b) * L + lane] -
                            product[(4 * a + 3) * L + lane] * (gram[COLUMN[b] * L + lane] / mass);
-    sph__nearest_rotation(m, r);
+    if (exact) {
+        sph__nearest_rotation(m, r);
+    } else {
+        for (int i = 0; i < 9; ++i)
+            r[i] = pose[(i / 3 * 4 + i % 3) * L + lane];
+        sph__nearest_rotation_from(m, r, r);
+    }
     for (int a = 0; a < 3; ++a) {
         double turned = 0;
         for (int b = 0; b < 3; ++b) {
@@ -111,7 +118,7 @@ static void fit_group(void *argument, size_t begin, size_t end)
                 if (stays(j, bone)) continue;
                 sph__skin_kernel_remainder(j->p, group, bone, gram, moments, product);
                 for (int lane = 0; lane < SPH__SKIN_LANES; ++lane)
-                    solve_lane(gram + (size_t)bone * 10 * SPH__SKIN_LANES, product,
+                    solve_lane(gram + (size_t)bone * 10 * SPH__SKIN_LANES, product, j->exact && sweep + 1 == j->sweeps,
                                sph__problem_pose(j->p, group, bone), lane);
             }
     }
@@ -147,17 +154,18 @@ static sph_status find_minor(const sph__problem *p, const sph_skin *skin, double
     return SPH_OK;
 }
 
-sph_status sph__fit_poses(sph__problem *p, const sph_skin *skin, double minor, uint32_t sweeps, uint32_t *minor_count)
+sph_status sph__fit_poses(sph__problem *p, const sph_skin *skin, double minor, uint32_t sweeps, bool exact)
 {
-    fit_job j = {.p = p, .skin = skin, .sweeps = sweeps};
+    fit_job j = {.p = p, .skin = skin, .sweeps = sweeps, .exact = exact};
+    uint32_t minor_count = 0;
     uint8_t *marks = sph__alloc(p->context, p->bones, 1);
     sph_status status = marks == NULL ? sph__fail_memory(p->context) : SPH_OK;
     j.minor = marks;
     j.sums_size = (p->pair_count * 10 + (size_t)p->bones * 12) * SPH__SKIN_LANES;
     if (status == SPH_OK) j.sums = sph__alloc(p->context, BATCH * j.sums_size, sizeof *j.sums);
     if (status == SPH_OK && j.sums == NULL) status = sph__fail_memory(p->context);
-    if (status == SPH_OK) status = find_minor(p, skin, minor, marks, minor_count);
-    if (status == SPH_OK && *minor_count != 0) sph__parallel_for(p->context, p->groups, 1, average_group, &j);
+    if (status == SPH_OK) status = find_minor(p, skin, minor, marks, &minor_count);
+    if (status == SPH_OK && minor_count != 0) sph__parallel_for(p->context, p->groups, 1, average_group, &j);
     for (; status == SPH_OK && j.first < p->groups; j.first += BATCH) {
         const uint32_t left = p->groups - j.first;
         sph__parallel_for(p->context, left < BATCH ? left : BATCH, 1, fit_group, &j);

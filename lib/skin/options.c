@@ -8,8 +8,8 @@ static const sph_skin_options DEFAULTS = {.struct_size = sizeof(sph_skin_options
                                           .mode = SPH_SKIN_MIXED,
                                           .influence_limit = 4,
                                           .rings = 1,
-                                          .round_limit = 30,
-                                          .rest_interval = 5,
+                                          .round_limit = SPH_SKIN_AUTO,
+                                          .rest_interval = SPH_SKIN_AUTO,
                                           .tolerance = 1e-3,
                                           .smoothness = 1e-4,
                                           .filter_radius = 0.03,
@@ -57,6 +57,8 @@ sph_status sph__skin_read_options(sph__skin_job *j, const sph_skin_options *in)
     if (status == SPH_OK) status = check_number(context, "smoothness", o->smoothness);
     if (status == SPH_OK) status = check_number(context, "filter_radius", o->filter_radius);
     if (status == SPH_OK) status = check_number(context, "minor_bone", o->minor_bone);
+    if (o->round_limit == SPH_SKIN_AUTO) o->round_limit = o->mode == SPH_SKIN_ANIMATION ? 60 : 30;
+    if (o->rest_interval == SPH_SKIN_AUTO) o->rest_interval = o->mode == SPH_SKIN_ANIMATION ? 1 : 5;
     return status;
 }
 

@@ -102,9 +102,9 @@ void sph__influences_copy(const sph__problem *p, const sph__influences *from, sp
 /*
  * Optimises the poses, bone by bone, `sweeps` times, weights fixed. The energy does not rise, but through bones whose squared
  * weights sum to less than `minor` (and those that move nothing): these first get the mean of the poses of the bones that
- * `links` join them to, and stay there.
+ * `links` join them to, and stay there. Rotations drift from proper by the last digit of each step, but where `exact`.
  */
-sph_status sph__fit_poses(sph__problem *p, const sph_skin *skin, double minor, uint32_t sweeps, uint32_t *minor_count);
+sph_status sph__fit_poses(sph__problem *p, const sph_skin *skin, double minor, uint32_t sweeps, bool exact);
 
 /* Sums over all frames and vertices: area times squared residual, and squared residual. */
 sph_status sph__problem_energy(const sph__problem *p, const sph__influences *at, double energy[2]);

@@ -11,7 +11,7 @@
  */
 static const double FIRST_REACH = 0.5, MOST_REACH = 8, LONGER = 1.3, SHORTER = 0.5;
 
-enum { SWEEPS = 4 };
+enum { SWEEPS = 4, WINDOW = 5 /* rounds over which progress is judged */ };
 
 typedef struct solver {
     sph__problem *p;
@@ -28,6 +28,7 @@ typedef struct solver {
     bool has_before;
     double reach;
     double energy[2]; /* as of the last step: weighted by area, and plain */
+    double past[WINDOW]; /* energies of the last rounds */
     uint32_t round;
 } solver;
 
@@ -38,7 +39,9 @@ static double rmse(const solver *s)
 
 static sph_status tell(solver *s, int32_t step)
 {
-    const sph_status status = sph__problem_energy(s->p, &s->p->now, s->energy);
+    sph_status status = SPH_OK;
+    if (s->options->step == NULL && step != SPH_SKIN_STEP_START) return SPH_OK; /* the round's end is enough */
+    status = sph__problem_energy(s->p, &s->p->now, s->energy);
     if (status == SPH_OK && s->options->step != NULL)
         s->options->step(s->options->step_user, s->round, step, s->energy[0]);
     return status;
@@ -76,8 +79,7 @@ static void extrapolate(const solver *s, size_t v)
 
 static sph_status fit_poses(solver *s, int32_t step)
 {
-    uint32_t minor;
-    sph_status status = sph__fit_poses(s->p, s->skin, s->options->minor_bone, SWEEPS, &minor);
+    sph_status status = sph__fit_poses(s->p, s->skin, s->options->minor_bone, SWEEPS, false);
     return status == SPH_OK ? tell(s, step) : status;
 }
 
@@ -87,7 +89,6 @@ static sph_status go_ahead(solver *s, bool *taken)
     sph__problem *p = s->p;
     const double best[2] = {s->energy[0], s->energy[1]};
     sph_status status;
-    uint32_t minor;
     sph__influences_copy(p, &p->now, &s->here);
     memcpy(s->rest_here, p->rest, p->n * 3 * sizeof *p->rest);
     memcpy(s->poses_here, p->poses, pose_count(p) * sizeof *p->poses);
@@ -99,7 +100,7 @@ static sph_status go_ahead(solver *s, bool *taken)
     }
     sph__influences_copy(p, &s->here, &s->before);
     memcpy(s->rest_before, s->rest_here, p->n * 3 * sizeof *p->rest);
-    status = sph__fit_poses(p, s->skin, s->options->minor_bone, SWEEPS, &minor);
+    status = sph__fit_poses(p, s->skin, s->options->minor_bone, SWEEPS, false);
     if (status == SPH_OK) status = sph__problem_energy(p, &p->now, s->energy);
     if (status != SPH_OK) return status;
     *taken = s->energy[0] <= best[0];
@@ -190,6 +191,7 @@ static sph_status run_round(solver *s)
     if (status == SPH_OK && !ahead) status = fit_poses(s, SPH_SKIN_STEP_TRANSFORMS);
     if (status == SPH_OK && s->options->mode != SPH_SKIN_GEOMETRIC) status = learn_weights(s);
     if (status == SPH_OK && interval != 0 && s->round % interval == interval - 1) status = fit_rest(s);
+    if (status == SPH_OK && s->options->step == NULL) status = sph__problem_energy(s->p, &s->p->now, s->energy);
     return status;
 }
 
@@ -225,11 +227,13 @@ sph_status sph__solve(sph__problem *p, const sph_skin *skin, const sph_skin_opti
     sph_status status = allocate(&s);
     if (status == SPH_OK) status = tell(&s, SPH_SKIN_STEP_START);
     for (; s.round < options->round_limit && status == SPH_OK; ++s.round) {
-        const double before = s.energy[0];
+        const double before = s.past[s.round % WINDOW];
+        s.past[s.round % WINDOW] = s.energy[0];
         status = sph__progress_report(progress, "skinning", (double)s.round / options->round_limit);
         if (status == SPH_OK) status = run_round(&s);
-        if (rmse(&s) <= 0.01 * options->error_limit * p->diagonal) break;
-        if (s.round != 0 && sqrt(before) - sqrt(s.energy[0]) < options->tolerance * sqrt(before)) break;
+        if (options->error_limit > 0 && rmse(&s) <= 0.01 * options->error_limit * p->diagonal) break;
+        /* More than it should, or less: bones that became minor can raise it, and then it falls again. */
+        if (s.round >= WINDOW && fabs(sqrt(before) - sqrt(s.energy[0])) <= WINDOW * options->tolerance * sqrt(before)) break;
     }
     sph__influences_free(p, &s.next);
     sph__influences_free(p, &s.before);

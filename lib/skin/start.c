@@ -155,7 +155,6 @@ static void load_poses(sph__problem *p, const double *transforms)
 sph_status sph__skin_start_poses(sph__skin_job *j)
 {
     sph__problem *p = &j->problem;
-    uint32_t minor;
     if (j->options.initial_transforms != NULL) {
         load_poses(p, j->options.initial_transforms);
         for (uint32_t b = 0; b < p->bones && j->options.locked_bones != NULL; ++b)
@@ -163,5 +162,5 @@ sph_status sph__skin_start_poses(sph__skin_job *j)
         return SPH_OK;
     }
     follow_cells(p);
-    return sph__fit_poses(p, j->skin, 0, 1, &minor);
+    return sph__fit_poses(p, j->skin, 0, 1, true);
 }

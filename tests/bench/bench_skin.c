@@ -60,6 +60,7 @@ int main(int argc, char **argv)
         else if (!strcmp(argv[i], "--rest")) o.rest_interval = (uint32_t)atoi(argv[++i]);
         else if (!strcmp(argv[i], "--tolerance")) o.tolerance = atof(argv[++i]);
         else if (!strcmp(argv[i], "--uniform")) o.flags |= SPH_SKIN_UNIFORM;
+        else if (!strcmp(argv[i], "--minor")) o.minor_bone = atof(argv[++i]);
         else if (!strcmp(argv[i], "--trace")) o.step = trace;
         else if (input == NULL) input = argv[i];
         else cache = argv[i];

@@ -1,0 +1,402 @@
+/* SPDX-License-Identifier: MIT */
+/* What callers ask of a decomposition: locks, starts, clips, stops; and what they get wrong. */
+#include <check.h>
+#include <math.h>
+#include <string.h>
+
+#include "skin_rig.h"
+#include "support.h"
+
+static sph_context *context;
+static skin_rig rig;
+static sph_skin_options o;
+static sph_skin_source source;
+
+static void begin(sph_context *with)
+{
+    context = with;
+    skin_rig_init(&rig, context, RIG_BENDS, 7);
+    sph_skin_options_init(&o, sizeof o);
+    source = (sph_skin_source){rig.animation, "clip", 25};
+}
+
+static void setup(void)
+{
+    begin(test_context_with_threads(1));
+}
+
+static void teardown(void)
+{
+    skin_rig_free(&rig);
+    sph_context_destroy(context);
+}
+
+static sph_skin *solve(void)
+{
+    sph_skin *skin = NULL;
+    ck_assert_msg(sph_skin_create(rig.level, &source, 1, &o, &skin) == SPH_OK, "%s", sph_context_last_message(context));
+    return skin;
+}
+
+static sph_skin_arrays get(const sph_skin *skin)
+{
+    sph_skin_arrays out = {.struct_size = sizeof out};
+    ck_assert_int_eq(sph_skin_get_arrays(skin, &out), SPH_OK);
+    return out;
+}
+
+static void check_same(const sph_skin *one, const sph_skin *other)
+{
+    const sph_skin_arrays a = get(one), b = get(other);
+    const size_t slots = (size_t)a.vertex_count * a.influence_count;
+    ck_assert_uint_eq(a.frame_count, b.frame_count);
+    ck_assert_mem_eq(a.rest, b.rest, a.vertex_count * 3 * sizeof *a.rest);
+    ck_assert_mem_eq(a.bones, b.bones, slots * sizeof *a.bones);
+    ck_assert_mem_eq(a.weights, b.weights, slots * sizeof *a.weights);
+    ck_assert_mem_eq(a.transforms, b.transforms, (size_t)a.frame_count * a.bone_count * 12 * sizeof *a.transforms);
+}
+
+START_TEST(results_do_not_depend_on_threads_or_executors)
+{
+    sph_skin *one, *other;
+    skin_rig first = rig;
+    sph_context *own = context;
+    const sph_executor executor = _i == 0 ? test_executor_reverse() : test_executor_threads();
+    o.mode = SPH_SKIN_MIXED;
+    o.round_limit = 7;
+    one = solve();
+    begin(_i == 2 ? test_context_with_threads(5) : test_context_with_executor(&executor));
+    o.round_limit = 7;
+    other = solve();
+    check_same(one, other);
+    sph_skin_destroy(one);
+    sph_skin_destroy(other);
+    skin_rig_free(&first);
+    sph_context_destroy(own);
+}
+END_TEST
+
+START_TEST(clips_of_one_mesh_are_solved_as_one_animation_and_keep_their_names)
+{
+    sph_skin *whole, *parts = NULL;
+    sph_animation *a = skin_rig_part(&rig, context, 0, 5), *b = skin_rig_part(&rig, context, 5, RIG_FRAMES);
+    const sph_skin_source two[2] = {{a, "walk", 24}, {b, NULL, 0}};
+    o.round_limit = 7;
+    whole = solve();
+    ck_assert_int_eq(sph_skin_create(rig.level, two, 2, &o, &parts), SPH_OK);
+    check_same(whole, parts);
+    ck_assert_uint_eq(get(parts).clip_count, 2);
+    ck_assert_str_eq(get(parts).clips[0].name, "walk");
+    ck_assert_double_eq(get(parts).clips[0].frames_per_second, 24);
+    ck_assert_uint_eq(get(parts).clips[0].frame_count, 5);
+    ck_assert_str_eq(get(parts).clips[1].name, "");
+    ck_assert_uint_eq(get(parts).clips[1].first_frame, 5);
+    sph_skin_destroy(whole);
+    sph_skin_destroy(parts);
+    sph_animation_destroy(a);
+    sph_animation_destroy(b);
+}
+END_TEST
+
+START_TEST(errors_are_those_that_measuring_finds)
+{
+    sph_skin *skin;
+    sph_skin_error own, measured, frames[RIG_FRAMES], again[RIG_FRAMES];
+    o.round_limit = 5;
+    skin = solve();
+    ck_assert_int_eq(sph_skin_get_errors(skin, &own, frames), SPH_OK);
+    ck_assert_int_eq(sph_skin_measure(skin, &source, 1, &measured, again), SPH_OK);
+    ck_assert_mem_eq(&own, &measured, sizeof own);
+    ck_assert_mem_eq(frames, again, sizeof frames);
+    ck_assert(own.max > 0 && own.max >= own.rmse);
+    sph_skin_destroy(skin);
+}
+END_TEST
+
+START_TEST(locked_vertices_keep_weights_and_positions_in_every_mode)
+{
+    uint32_t bones[RIG_VERTICES][2];
+    float weights[RIG_VERTICES][2];
+    uint8_t locked[RIG_VERTICES] = {0};
+    sph_skin_arrays a;
+    sph_skin *skin;
+    for (uint32_t v = 0; v < RIG_VERTICES; ++v) {
+        bones[v][0] = rig.labels[v];
+        bones[v][1] = rig.labels[v] == 0 ? 1 : rig.labels[v] - 1;
+        weights[v][0] = 0.75f;
+        weights[v][1] = 0.25f;
+        locked[v] = v % 3 == 0;
+    }
+    o.mode = _i;
+    o.initial_influence_count = 2;
+    o.initial_bones = bones[0];
+    o.initial_weights = weights[0];
+    o.locked_vertices = locked;
+    o.rest_interval = 1;
+    o.round_limit = 12;
+    skin = solve();
+    a = get(skin);
+    for (uint32_t v = 0; v < RIG_VERTICES; v += 3) {
+        ck_assert_uint_eq(a.bones[4 * v], bones[v][0]);
+        ck_assert_uint_eq(a.bones[4 * v + 1], bones[v][1]);
+        ck_assert(a.weights[4 * v] == 0.75f && a.weights[4 * v + 1] == 0.25f && a.weights[4 * v + 2] == 0);
+        for (int k = 0; k < 3; ++k)
+            ck_assert_double_eq_tol((double)a.rest[3 * v + k], (double)rig.rest[v][k], 1e-6);
+    }
+    sph_skin_destroy(skin);
+}
+END_TEST
+
+START_TEST(locked_bones_keep_their_transforms_and_the_others_follow)
+{
+    const uint8_t locked[RIG_BONES] = {0, 1, 0, 1};
+    double moved[RIG_FRAMES][RIG_BONES][12];
+    sph_skin_arrays a;
+    sph_skin *skin;
+    memcpy(moved, rig.transforms, sizeof moved);
+    for (int f = 0; f < RIG_FRAMES; ++f)
+        for (int b = 0; b < RIG_BONES; ++b)
+            moved[f][b][3] += 0.25;
+    o.initial_transforms = moved[0][0];
+    o.locked_bones = locked;
+    o.round_limit = 6;
+    o.minor_bone = 1e9; /* a lock is stronger */
+    skin = solve();
+    a = get(skin);
+    for (int f = 1; f < RIG_FRAMES; ++f) /* in frame 0 all are alike */
+        for (int b = 0; b < RIG_BONES; ++b) {
+            double off = 0;
+            for (int k = 0; k < 12; ++k)
+                off = fmax(off, fabs(a.transforms[(f * RIG_BONES + b) * 12 + k] - moved[f][b][k]));
+            ck_assert(locked[b] ? off < 1e-12 : off > 1e-3);
+        }
+    sph_skin_destroy(skin);
+}
+END_TEST
+
+static void count_rounds(void *user, uint32_t round, int32_t step, double energy)
+{
+    (void)step;
+    (void)energy;
+    *(uint32_t *)user = round + 1;
+}
+
+START_TEST(rounds_stop_at_the_error_that_is_asked_for_and_at_the_limit)
+{
+    uint32_t rounds = 0;
+    sph_skin *skin;
+    sph_skin_error e;
+    o.mode = SPH_SKIN_ANIMATION;
+    o.step = count_rounds;
+    o.step_user = &rounds;
+    o.tolerance = 0;
+    o.error_limit = 0.2;
+    skin = solve();
+    sph_skin_get_errors(skin, &e, NULL);
+    ck_assert(e.rmse_percent <= 0.2 && e.rmse_percent > 0.02);
+    ck_assert_uint_lt(rounds, 60);
+    sph_skin_destroy(skin);
+    o.error_limit = 0;
+    o.round_limit = 9;
+    skin = solve();
+    ck_assert_uint_eq(rounds, 9);
+    sph_skin_destroy(skin);
+}
+END_TEST
+
+/* The inner bones, made minor, move as the outer ones: their only neighbours that are not. */
+START_TEST(minor_bones_take_the_mean_pose_of_their_neighbours)
+{
+    sph_skin_arrays a;
+    sph_skin *skin;
+    o.mode = SPH_SKIN_GEOMETRIC;
+    o.minor_bone = 61; /* between the squared weights of the outer bones, and of the inner ones */
+    skin = solve();
+    a = get(skin);
+    for (int outer = 0; outer < RIG_BONES; outer += RIG_BONES - 1) {
+        const int inner = outer == 0 ? 1 : outer - 1;
+        double squares[2] = {0};
+        for (size_t s = 0; s < (size_t)RIG_VERTICES * a.influence_count; ++s)
+            if (a.bones[s] == (uint32_t)outer || a.bones[s] == (uint32_t)inner)
+                squares[a.bones[s] == (uint32_t)inner] += (double)a.weights[s] * (double)a.weights[s];
+        ck_assert_msg(squares[0] > o.minor_bone && squares[1] < o.minor_bone, "%g %g", squares[0], squares[1]);
+        for (int f = 0; f < RIG_FRAMES; ++f)
+            for (int k = 0; k < 12; ++k)
+                ck_assert_double_eq_tol(a.transforms[(f * RIG_BONES + outer) * 12 + k],
+                                        a.transforms[(f * RIG_BONES + inner) * 12 + k], 1e-9);
+    }
+    sph_skin_destroy(skin);
+}
+END_TEST
+
+START_TEST(progress_rises_and_any_report_may_cancel)
+{
+    size_t calls = 0;
+    for (size_t at = 0; at == 0 || at <= calls; ++at) {
+        test_progress progress = {.cancel_at = at};
+        sph_skin *skin = (sph_skin *)context;
+        sph_status status;
+        skin_rig_free(&rig);
+        sph_context_destroy(context);
+        begin(test_context_with_progress(test_progress_callback, &progress));
+        progress = (test_progress){.cancel_at = at};
+        o.round_limit = 3;
+        status = sph_skin_create(rig.level, &source, 1, &o, &skin);
+        ck_assert_int_eq(status, at == 0 ? SPH_OK : SPH_E_CANCELLED);
+        ck_assert(at == 0 || skin == NULL);
+        ck_assert(!progress.fell);
+        if (at == 0) calls = progress.calls;
+        ck_assert_uint_gt(calls, 10);
+        sph_skin_destroy(skin);
+    }
+}
+END_TEST
+
+START_TEST(every_allocation_may_fail)
+{
+    for (size_t at = 1;; at += 1 + at / 16) {
+        test_faulty faulty = {0};
+        const sph_allocator allocator = test_faulty_allocator(&faulty);
+        sph_skin *skin = NULL;
+        sph_status status;
+        skin_rig_free(&rig);
+        sph_context_destroy(context);
+        begin(test_context_with_allocator(&allocator));
+        o.round_limit = 2;
+        faulty.fail_at = faulty.calls + at;
+        faulty.sticky = _i;
+        status = sph_skin_create(rig.level, &source, 1, &o, &skin);
+        faulty.fail_at = 0;
+        sph_skin_destroy(skin);
+        skin_rig_free(&rig);
+        sph_context_destroy(context);
+        ck_assert_uint_eq(faulty.live_blocks, 0);
+        ck_assert(!faulty.misused);
+        begin(test_context_with_threads(1));
+        if (status == SPH_OK) {
+            ck_assert_uint_gt(at, 40);
+            break;
+        }
+        ck_assert_int_eq(status, SPH_E_NOMEM);
+    }
+}
+END_TEST
+
+static const uint32_t BAD_BONE[RIG_VERTICES] = {RIG_BONES};
+static const uint32_t FAR_BONE[RIG_VERTICES] = {3}; /* of vertex 0, at the other end */
+static const float BAD_WEIGHT[RIG_VERTICES] = {1, NAN}, WEIGHT[RIG_VERTICES] = {1};
+static const uint8_t LOCKED[RIG_VERTICES] = {1};
+
+static void spoil_flags(void) { o.flags = 2; }
+static void spoil_mode(void) { o.mode = 3; }
+static void spoil_limit(void) { o.influence_limit = 0; }
+static void spoil_tolerance(void) { o.tolerance = NAN; }
+static void spoil_error(void) { o.error_limit = -1; }
+static void spoil_smoothness(void) { o.smoothness = INFINITY; }
+static void spoil_filter(void) { o.filter_radius = -0.1; }
+static void spoil_minor(void) { o.minor_bone = NAN; }
+static void spoil_size(void) { o.struct_size = 8; }
+static void spoil_half(void) { o.initial_weights = WEIGHT; }
+static void spoil_lock(void) { o.locked_bones = LOCKED; }
+static void spoil_transform(void)
+{
+    rig.transforms[2][1][0] += 0.5;
+    o.initial_transforms = rig.transforms[0][0];
+}
+static void spoil_start(const uint32_t *bones, const float *weights)
+{
+    o.initial_influence_count = 1;
+    o.initial_bones = bones;
+    o.initial_weights = weights;
+}
+static void spoil_bone(void) { spoil_start(BAD_BONE, WEIGHT); }
+static void spoil_weight(void) { spoil_start(FAR_BONE, BAD_WEIGHT); }
+static void spoil_reach(void)
+{
+    spoil_start(FAR_BONE, WEIGHT);
+    o.locked_vertices = LOCKED;
+}
+static void spoil_source(void) { source.animation = NULL; }
+static void spoil_rate(void) { source.frames_per_second = NAN; }
+static void spoil_frame(void)
+{
+    float xyz[RIG_VERTICES][3] = {{0}};
+    xyz[9][1] = NAN;
+    sph_animation_set_frame(rig.animation, 4, xyz[0], 0);
+}
+static void spoil_vertices(void)
+{
+    sph_animation_destroy(rig.animation);
+    rig.animation = test_cube(context, RIG_FRAMES);
+    source.animation = rig.animation;
+}
+
+static const struct {
+    void (*spoil)(void);
+    const char *message;
+} BAD[] = {{spoil_flags, "flags"},
+           {spoil_mode, "mode is 3"},
+           {spoil_limit, "influence_limit"},
+           {spoil_tolerance, "tolerance"},
+           {spoil_error, "error_limit"},
+           {spoil_smoothness, "smoothness"},
+           {spoil_filter, "filter_radius"},
+           {spoil_minor, "minor_bone"},
+           {spoil_size, "struct_size"},
+           {spoil_half, "initial weights"},
+           {spoil_lock, "locked bones"},
+           {spoil_transform, "bone 1 in frame 2"},
+           {spoil_bone, "bone 4 of 4"},
+           {spoil_weight, "vertex 1"},
+           {spoil_reach, "vertex 0 is locked"},
+           {spoil_source, "source 0"},
+           {spoil_rate, "source 0"},
+           {spoil_frame, "vertex 9"},
+           {spoil_vertices, "8 vertices"}};
+
+START_TEST(bad_input_is_refused_by_name)
+{
+    sph_skin *skin = (sph_skin *)context;
+    BAD[_i].spoil();
+    ck_assert_int_eq(sph_skin_create(rig.level, &source, 1, &o, &skin), SPH_E_INVALID);
+    ck_assert_ptr_null(skin);
+    ck_assert_msg(strstr(sph_context_last_message(context), BAD[_i].message) != NULL, "%s",
+                  sph_context_last_message(context));
+}
+END_TEST
+
+START_TEST(missing_arguments_are_refused)
+{
+    sph_skin *skin = NULL;
+    ck_assert_int_eq(sph_skin_create(NULL, &source, 1, &o, &skin), SPH_E_INVALID);
+    ck_assert_int_eq(sph_skin_create(rig.level, NULL, 1, &o, &skin), SPH_E_INVALID);
+    ck_assert_int_eq(sph_skin_create(rig.level, &source, 0, &o, &skin), SPH_E_INVALID);
+    ck_assert_int_eq(sph_skin_create(rig.level, &source, 1, &o, NULL), SPH_E_INVALID);
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("skin_options");
+    TCase *tc = tcase_create("options");
+    SRunner *runner;
+    int failed;
+    tcase_add_checked_fixture(tc, setup, teardown);
+    tcase_add_loop_test(tc, results_do_not_depend_on_threads_or_executors, 0, 3);
+    tcase_add_test(tc, clips_of_one_mesh_are_solved_as_one_animation_and_keep_their_names);
+    tcase_add_test(tc, errors_are_those_that_measuring_finds);
+    tcase_add_loop_test(tc, locked_vertices_keep_weights_and_positions_in_every_mode, 0, 3);
+    tcase_add_test(tc, locked_bones_keep_their_transforms_and_the_others_follow);
+    tcase_add_test(tc, rounds_stop_at_the_error_that_is_asked_for_and_at_the_limit);
+    tcase_add_test(tc, minor_bones_take_the_mean_pose_of_their_neighbours);
+    tcase_add_test(tc, progress_rises_and_any_report_may_cancel);
+    tcase_add_loop_test(tc, every_allocation_may_fail, 0, 2);
+    tcase_add_loop_test(tc, bad_input_is_refused_by_name, 0, (int)(sizeof BAD / sizeof *BAD));
+    tcase_add_test(tc, missing_arguments_are_refused);
+    suite_add_tcase(suite, tc);
+    runner = srunner_create(suite);
+    srunner_run_all(runner, CK_ENV);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}
