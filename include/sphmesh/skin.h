@@ -91,11 +91,11 @@ enum {
 /** What was just done, as told to a #sph_skin_step_fn. */
 enum {
     SPH_SKIN_STEP_START = 0,      /**< initial weights and transforms are there */
-    SPH_SKIN_STEP_TRANSFORMS = 1, /**< all bones' transforms were optimised */
-    SPH_SKIN_STEP_MINOR = 2,      /**< bones of little influence got their neighbours' average; this may cost error */
-    SPH_SKIN_STEP_WEIGHTS = 3,    /**< the weights were optimised; the mixed ones may cost error */
-    SPH_SKIN_STEP_REST = 4,       /**< the rest pose was optimised */
-    SPH_SKIN_STEP_AHEAD = 5       /**< a step along the last rounds' direction that lowered the error was taken */
+    SPH_SKIN_STEP_TRANSFORMS = 1, /**< all bones' transforms were optimised; minor bones may cost energy */
+    SPH_SKIN_STEP_WEIGHTS = 2,    /**< the weights were optimised; the mixed ones may cost energy */
+    SPH_SKIN_STEP_REST = 3,       /**< the rest pose was optimised */
+    SPH_SKIN_STEP_AHEAD = 4       /**< weights and rest pose went on along the last round's change, and the transforms that
+                                       belong to them lowered the energy */
 };
 
 /**

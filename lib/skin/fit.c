@@ -47,11 +47,6 @@ static void solve_lane(const double *gram, const double *product, bool exact, do
     }
 }
 
-static bool stays(const fit_job *j, uint32_t bone)
-{
-    return j->p->still[bone] || j->minor[bone];
-}
-
 /* The mean pose of the bones that `bone` is linked to: of rotations by their quaternions, of where they take the pivot. */
 static void average_lane(const fit_job *j, uint32_t group, uint32_t bone, bool of_minor, int lane)
 {
@@ -93,16 +88,13 @@ static void average_lane(const fit_job *j, uint32_t group, uint32_t bone, bool o
     }
 }
 
-static void average_minor(const fit_job *j, uint32_t group)
+static void average(const fit_job *j, uint32_t group, uint32_t bone)
 {
-    for (uint32_t bone = 0; bone < j->p->bones; ++bone) {
-        bool of_minor = true;
-        if (!j->minor[bone] || j->p->still[bone]) continue;
-        for (size_t i = 0; i < 2 * j->skin->link_count; ++i)
-            if (j->skin->links[i] == bone && !j->minor[j->skin->links[i ^ 1]]) of_minor = false;
-        for (int lane = 0; lane < SPH__SKIN_LANES; ++lane)
-            average_lane(j, group, bone, of_minor, lane);
-    }
+    bool of_minor = true;
+    for (size_t i = 0; i < 2 * j->skin->link_count; ++i)
+        if (j->skin->links[i] == bone && !j->minor[j->skin->links[i ^ 1]]) of_minor = false;
+    for (int lane = 0; lane < SPH__SKIN_LANES; ++lane)
+        average_lane(j, group, bone, of_minor, lane);
 }
 
 static void fit_group(void *argument, size_t begin, size_t end)
@@ -115,7 +107,11 @@ static void fit_group(void *argument, size_t begin, size_t end)
         for (uint32_t sweep = 0; sweep < j->sweeps; ++sweep)
             for (uint32_t bone = 0; bone < j->p->bones; ++bone) {
                 _Alignas(SPH__ALIGN) double product[SPH__SKIN_POSE];
-                if (stays(j, bone)) continue;
+                if (j->p->still[bone]) continue;
+                if (j->minor[bone]) {
+                    average(j, group, bone);
+                    continue;
+                }
                 sph__skin_kernel_remainder(j->p, group, bone, gram, moments, product);
                 for (int lane = 0; lane < SPH__SKIN_LANES; ++lane)
                     solve_lane(gram + (size_t)bone * 10 * SPH__SKIN_LANES, product, j->exact && sweep + 1 == j->sweeps,
@@ -124,16 +120,8 @@ static void fit_group(void *argument, size_t begin, size_t end)
     }
 }
 
-static void average_group(void *argument, size_t begin, size_t end)
-{
-    const fit_job *j = argument;
-    for (size_t i = begin; i < end; ++i)
-        average_minor(j, (uint32_t)i);
-}
-
 /* Which bones are minor: `marks` has a byte for each. */
-static sph_status find_minor(const sph__problem *p, const sph_skin *skin, double threshold, uint8_t *marks,
-                             uint32_t *count)
+static sph_status find_minor(const sph__problem *p, const sph_skin *skin, double threshold, uint8_t *marks)
 {
     double *squares = sph__zalloc(p->context, p->bones, sizeof *squares);
     if (squares == NULL) return sph__fail_memory(p->context);
@@ -142,13 +130,11 @@ static sph_status find_minor(const sph__problem *p, const sph_skin *skin, double
             const double w = p->now.weights[v * p->limit + s];
             squares[p->sets[p->set[v]].bones[p->now.places[v * p->limit + s]]] += w * w;
         }
-    *count = 0;
     memset(marks, 0, p->bones);
     for (size_t i = 0; i < 2 * skin->link_count; ++i) { /* bones without a link have nobody to be like */
         const uint32_t bone = skin->links[i];
         if (marks[bone] || p->still[bone] || !(squares[bone] < threshold || squares[bone] == 0)) continue;
         marks[bone] = 1;
-        ++*count;
     }
     sph__free(p->context, squares);
     return SPH_OK;
@@ -157,15 +143,13 @@ static sph_status find_minor(const sph__problem *p, const sph_skin *skin, double
 sph_status sph__fit_poses(sph__problem *p, const sph_skin *skin, double minor, uint32_t sweeps, bool exact)
 {
     fit_job j = {.p = p, .skin = skin, .sweeps = sweeps, .exact = exact};
-    uint32_t minor_count = 0;
     uint8_t *marks = sph__alloc(p->context, p->bones, 1);
     sph_status status = marks == NULL ? sph__fail_memory(p->context) : SPH_OK;
     j.minor = marks;
     j.sums_size = (p->pair_count * 10 + (size_t)p->bones * 12) * SPH__SKIN_LANES;
     if (status == SPH_OK) j.sums = sph__alloc(p->context, BATCH * j.sums_size, sizeof *j.sums);
     if (status == SPH_OK && j.sums == NULL) status = sph__fail_memory(p->context);
-    if (status == SPH_OK) status = find_minor(p, skin, minor, marks, &minor_count);
-    if (status == SPH_OK && minor_count != 0) sph__parallel_for(p->context, p->groups, 1, average_group, &j);
+    if (status == SPH_OK) status = find_minor(p, skin, minor, marks);
     for (; status == SPH_OK && j.first < p->groups; j.first += BATCH) {
         const uint32_t left = p->groups - j.first;
         sph__parallel_for(p->context, left < BATCH ? left : BATCH, 1, fit_group, &j);

@@ -101,8 +101,8 @@ void sph__influences_copy(const sph__problem *p, const sph__influences *from, sp
 
 /*
  * Optimises the poses, bone by bone, `sweeps` times, weights fixed. The energy does not rise, but through bones whose squared
- * weights sum to less than `minor` (and those that move nothing): these first get the mean of the poses of the bones that
- * `links` join them to, and stay there. Rotations drift from proper by the last digit of each step, but where `exact`.
+ * weights sum to less than `minor` (and those that move nothing): these get the mean of the poses of the bones that
+ * `links` join them to. Rotations drift from proper by the last digit of each step, but where `exact`.
  */
 sph_status sph__fit_poses(sph__problem *p, const sph_skin *skin, double minor, uint32_t sweeps, bool exact);
 
