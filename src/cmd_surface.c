@@ -15,7 +15,7 @@ static const char HELP[] = "Makes closed triangle meshes of the outer surface of
                            "\n"
                            "LEVEL is a level, .json or .sphm.\n"
                            "\n"
-                           "  -o, --output OUT            .obj or .ply, both with normals\n"
+                           "  -o, --output OUT            .obj, .ply or .glb, all with normals\n"
                            "      --frame F               the frame; 0 is the first (0)\n"
                            "      --frames A:B:STEP       several frames, each to a file of its own that has\n"
                            "                              the frame's number: OUT-0012.ply, or in place of\n"
@@ -66,8 +66,9 @@ static int parse(surface_options *o, int argc, char **argv, arguments *paths)
         return usage_error("surface", "--frame and --frames: one of them");
     if (o->frame == UINT32_MAX) o->frame = 0;
     if (o->output == NULL) return usage_error("surface", "-o is missing: where should the surface go?");
-    if (!name_ends(o->output, ".obj") && !name_ends(o->output, ".ply"))
-        return usage_error("surface", "-o: '%s' does not end in .obj or .ply", o->output);
+    if (!name_ends(o->output, ".obj") && !name_ends(o->output, ".ply") &&
+        !name_ends(o->output, ".glb"))
+        return usage_error("surface", "-o: '%s' does not end in .obj, .ply or .glb", o->output);
     if (!name_ends(paths->items[0], ".json") && !name_ends(paths->items[0], ".sphm"))
         return usage_error("surface", "'%s' does not end in .json or .sphm", paths->items[0]);
     return DONE;

@@ -197,7 +197,7 @@ SPH_API sph_status sph_io_load_hierarchy(sph_context *context, const char *path,
  */
 SPH_API sph_status sph_io_save_level(sph_context *context, const sph_level *level, const char *path);
 /**
- * @brief Saves one frame of a surface with its normals; the name's ending says how: `.obj`, or `.ply` (binary).
+ * @brief Saves one frame of a surface with its normals; the name's ending says how: `.obj`, `.ply` (binary), or `.glb`.
  * @param[in] context  takes the message of a failure.
  * @param[in] index    which of the frames that were extracted.
  * @retval SPH_E_INVALID      NULL or an index out of range.

@@ -181,6 +181,9 @@ sph_status sph__io_json_next(sph__io_json *json, char close, bool *first, bool *
 
 sph_status sph__io_level_json_read(sph_context *context, const char *path, const sph__io_map *map, sph_level **out);
 
+/* --- surfaces (surface_glb.c) --- */
+void sph__io_surface_glb_write(sph__io_output *output, const sph_surface *surface, uint32_t index);
+
 /* --- levels as what their names say (level_json.c, level_mesh.c, level_glb.c) --- */
 typedef void sph__io_level_write_fn(sph__io_output *output, const sph_level_arrays *arrays);
 sph__io_level_write_fn sph__io_level_json_write, sph__io_level_obj_write, sph__io_level_ply_write;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Surfaces as OBJ or PLY. */
+/* Surfaces as OBJ, PLY or GLB. */
 #include <string.h>
 
 #include "io/io.h"
@@ -72,12 +72,15 @@ sph_status sph_io_save_surface(sph_context *context, const sph_surface *surface,
     if (index >= sph_surface_frame_count(surface))
         return sph__io_fail(context, SPH_E_INVALID, "frame %u of a surface of %u frames", (unsigned)index,
                             (unsigned)sph_surface_frame_count(surface));
-    if (!sph__io_has_ending(path, "obj") && !sph__io_has_ending(path, "ply"))
-        return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: a surface is saved as .obj or .ply", sph__io_shown(path));
+    if (!sph__io_has_ending(path, "obj") && !sph__io_has_ending(path, "ply") && !sph__io_has_ending(path, "glb"))
+        return sph__io_fail(context, SPH_E_UNSUPPORTED, "%s: a surface is saved as .obj, .ply or .glb",
+                            sph__io_shown(path));
     status = sph__io_output_open(context, path, &o);
     if (status != SPH_OK) return status;
     if (sph__io_has_ending(path, "ply"))
         write_ply(&o, surface, index);
+    else if (sph__io_has_ending(path, "glb"))
+        sph__io_surface_glb_write(&o, surface, index);
     else
         write_obj(&o, surface, index);
     status = sph__io_output_finish(&o);

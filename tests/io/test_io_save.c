@@ -341,9 +341,9 @@ START_TEST(arguments_are_checked)
 END_TEST
 
 /* What is read back: vertices and triangles with the same bits; normals are not read. */
-START_TEST(a_surface_comes_back_from_obj_and_ply)
+START_TEST(a_surface_comes_back_from_obj_ply_and_glb)
 {
-    const char *path = _i == 0 ? file_path("s.obj") : file_path("s.ply");
+    const char *path = file_path(_i == 0 ? "s.obj" : _i == 1 ? "s.ply" : "s.glb");
     const sph_surface_options options = {sizeof options, 0, 12, 0, 1, 0, 1 << 24};
     sph_level *level = make_level();
     sph_surface *surface;
@@ -390,7 +390,7 @@ int main(void)
     tcase_add_test(tc, an_animation_comes_back_from_obj_and_pc2_with_the_same_bits);
     tcase_add_test(tc, an_animation_comes_back_from_obj_and_mdd_with_the_same_bits);
     tcase_add_test(tc, a_failing_source_leaves_the_old_mdd_too);
-    tcase_add_loop_test(tc, a_surface_comes_back_from_obj_and_ply, 0, 2);
+    tcase_add_loop_test(tc, a_surface_comes_back_from_obj_ply_and_glb, 0, 3);
     tcase_add_test(tc, arguments_are_checked);
     return run_suite(suite_create("io writers"), tc);
 }
