@@ -323,6 +323,32 @@ START_TEST(all_clips_come_one_after_another_or_one_by_name_or_number)
 }
 END_TEST
 
+static void count_clips(void *user, const sph_io_clip *clip)
+{
+    ck_assert_uint_eq(clip->struct_size, sizeof *clip);
+    *(unsigned *)user += clip->frame_count * (strcmp(clip->name, "run") == 0 ? 1 : 100);
+}
+
+START_TEST(clips_are_listed_with_their_frames)
+{
+    static const double TIMES[2] = {0.5, 1.5}, PLACES[6] = {0};
+    unsigned sum = 0;
+    glb_floats(&file, "VEC3", 3, TRIANGLE);
+    glb_floats(&file, "SCALAR", 2, TIMES);
+    glb_floats(&file, "VEC3", 2, PLACES);
+    ck_assert_int_eq(sph_io_list_clips(context,
+                                       glb_write(&file, "a.glb",
+                                                 "\"animations\":[{\"name\":\"run\",\"channels\":[],\"samplers\":"
+                                                 "[{\"input\":1,\"output\":2}]},{\"channels\":[],\"samplers\":[]}]"),
+                                       10, count_clips, &sum),
+                     SPH_OK);
+    ck_assert_uint_eq(sum, 16 + 100);
+    ck_assert_int_eq(sph_io_list_clips(context, write_obj("a.obj", 3, 0), 0, count_clips, &sum), SPH_OK);
+    ck_assert_int_eq(sph_io_list_clips(context, NULL, 0, count_clips, &sum), SPH_E_INVALID);
+    ck_assert_uint_eq(sum, 16 + 100);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tc = tcase_create("all");
@@ -335,5 +361,6 @@ int main(void)
     tcase_add_test(tc, morph_targets_add_up_by_their_weights);
     tcase_add_test(tc, animated_nodes_above_a_mesh_move_it);
     tcase_add_loop_test(tc, all_clips_come_one_after_another_or_one_by_name_or_number, 0, 5);
+    tcase_add_test(tc, clips_are_listed_with_their_frames);
     return run_suite(suite_create("io glTF"), tc);
 }

@@ -319,32 +319,6 @@ START_TEST(a_clip_that_is_not_there_is_refused_with_those_that_are)
 }
 END_TEST
 
-static void count_clips(void *user, const sph_io_clip *clip)
-{
-    ck_assert_uint_eq(clip->struct_size, sizeof *clip);
-    *(unsigned *)user += clip->frame_count * (strcmp(clip->name, "run") == 0 ? 1 : 100);
-}
-
-START_TEST(clips_are_listed_with_their_frames)
-{
-    static const double TIMES[2] = {0.5, 1.5}, PLACES[6] = {0};
-    unsigned sum = 0;
-    glb_floats(&file, "VEC3", 3, SQUARE);
-    glb_floats(&file, "SCALAR", 2, TIMES);
-    glb_floats(&file, "VEC3", 2, PLACES);
-    ck_assert_int_eq(sph_io_list_clips(context,
-                                       glb_write(&file, "a.glb",
-                                                 "\"animations\":[{\"name\":\"run\",\"channels\":[],\"samplers\":"
-                                                 "[{\"input\":1,\"output\":2}]},{\"channels\":[],\"samplers\":[]}]"),
-                                       10, count_clips, &sum),
-                     SPH_OK);
-    ck_assert_uint_eq(sum, 16 + 100);
-    ck_assert_int_eq(sph_io_list_clips(context, write_obj("a.obj", 3, 0), 0, count_clips, &sum), SPH_OK);
-    ck_assert_int_eq(sph_io_list_clips(context, NULL, 0, count_clips, &sum), SPH_E_INVALID);
-    ck_assert_uint_eq(sum, 16 + 100);
-}
-END_TEST
-
 /* --- levels --- */
 
 /* Its balls lie on the spheres in every frame, and its simplices join their centres. _i: radii per frame. */
@@ -401,7 +375,6 @@ int main(void)
     tcase_add_test(tc, with_a_cache_a_gltf_is_the_mesh_at_rest);
     tcase_add_loop_test(tc, what_is_wrong_is_refused_by_name_or_byte, 0, (int)(sizeof REFUSED / sizeof *REFUSED));
     tcase_add_test(tc, a_clip_that_is_not_there_is_refused_with_those_that_are);
-    tcase_add_test(tc, clips_are_listed_with_their_frames);
     tcase_add_loop_test(tc, a_level_written_as_glb_moves_as_the_level_does, 0, 2);
     return run_suite(suite_create("io glTF files"), tc);
 }
