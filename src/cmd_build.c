@@ -22,7 +22,7 @@ static const char HELP[] = "Builds the hierarchy of animated sphere-meshes of an
                            "      --cache C               the frames of the mesh: a PC2 or MDD point cache\n"
                            "      --clip NAME             one animation of a glTF; else all in a row\n"
                            "      --object NAME           one object of an Alembic; else all that is visible\n"
-                           "      --space local|world     local leaves an Alembic where its mesh is (local)\n"
+                           "      --space local|world     world: an Alembic as its scene places it (local)\n"
                            "      --fps N                 frames per second, of a glTF (30) or an Alembic\n"
                            "      --frames A:B:STEP       frames A, A+STEP, ... below B only (from 0)\n"
                            "      --up y|z                axis that points up in the input (y)\n"

@@ -57,6 +57,7 @@ static int info_animation(session *s, const input_options *input, const argument
         json_start(&j, stdout, false);
         json_open(&j, NULL, '{');
         json_text(&j, "kind", "animation");
+        contents_print_format(s, input, paths, &j);
         json_integer(&j, "vertices", sph_animation_vertex_count(a));
         json_integer(&j, "triangles", sph_animation_triangle_count(a));
         json_integer(&j, "frames", sph_animation_frame_count(a));
@@ -69,6 +70,7 @@ static int info_animation(session *s, const input_options *input, const argument
         json_close(&j, '}');
         json_finish(&j);
     } else if (!s->quiet) {
+        contents_print_format(s, input, paths, NULL);
         printf("animation:  %s vertices, %s triangles, %s frames\n", count_text(sph_animation_vertex_count(a)),
                count_text(sph_animation_triangle_count(a)), count_text(sph_animation_frame_count(a)));
         if (bad == SPH_OK) printf("size:       bounding-box diagonal %.6g, mean over frames\n", diagonal);
@@ -207,12 +209,36 @@ static int info_level(session *s, const char *path)
     return DONE;
 }
 
+/* A point cache without its mesh. */
+static int info_cache(const session *s, const char *path, const sph_io_description *d)
+{
+    if (s->json) {
+        json j;
+        json_start(&j, stdout, false);
+        json_open(&j, NULL, '{');
+        json_text(&j, "kind", "cache");
+        json_text(&j, "format", d->format);
+        json_integer(&j, "points", d->point_count);
+        json_integer(&j, "frames", d->frame_count);
+        json_close(&j, '}');
+        json_finish(&j);
+    } else if (!s->quiet) {
+        printf("cache:      %s, %s frames of %s points; its mesh is another file: sphmesh info MESH --cache %s\n",
+               d->format, count_text(d->frame_count), count_text(d->point_count), path);
+    }
+    return DONE;
+}
+
 static int info(session *s, const input_options *input, const arguments *paths)
 {
+    sph_io_description d = {.struct_size = sizeof d};
     const char *path = paths->items[0];
     int32_t kind = 0;
     sph_status status;
     if (paths->count == 1 && name_ends(path, ".json")) return info_level(s, path);
+    if (paths->count == 1 && input->cache == NULL && sph_io_describe(s->context, path, &d) == SPH_OK &&
+        d.point_count > 0)
+        return info_cache(s, path, &d);
     if (paths->count > 1 || !name_ends(path, ".sphm")) return info_animation(s, input, paths);
     status = sph_io_identify(s->context, path, &kind);
     if (status != SPH_OK) return session_fail(s, status, path);

@@ -82,6 +82,31 @@ static void print_object(void *user, const sph_io_object *o)
     ++l->count;
 }
 
+void contents_print_format(session *s, const input_options *input, const arguments *paths, json *j)
+{
+    sph_io_description d = {.struct_size = sizeof d, .format = ""}, cache = {.struct_size = sizeof cache};
+    uint64_t files = 0;
+    bool known = true; /* all have been opened before */
+    for (size_t i = paths->count; i-- > 0;) {
+        known = known && sph_io_describe(s->context, paths->items[i], &d) == SPH_OK;
+        files += d.file_count;
+    }
+    if (input->cache != NULL) known = known && sph_io_describe(s->context, input->cache, &cache) == SPH_OK;
+    if (!known) return;
+    if (j != NULL) {
+        json_text(j, "format", d.format);
+        json_integer(j, "files", files);
+        json_text(j, "cache_format", cache.format);
+        return;
+    }
+    printf("input:      %s", d.format);
+    if (files > 1) printf(", a sequence of %s files", count_text(files));
+    if (input->cache != NULL)
+        printf(", with a point cache (%s) of %s frames", cache.format == NULL ? "" : cache.format,
+               count_text(cache.frame_count));
+    puts("");
+}
+
 void contents_print(session *s, const input_options *input, const arguments *paths, json *j)
 {
     const bool alone = paths->count == 1 && input->cache == NULL; /* it has been opened before */

@@ -6,6 +6,9 @@
 #include "json.h"
 #include "session.h"
 
+/* The files and their format in one line, or as members of the open object where `j` is not NULL. */
+void contents_print_format(session *s, const input_options *input, const arguments *paths, json *j);
+
 /* To a table, or as members of the open object where `j` is not NULL. Other files add nothing to the table. */
 void contents_print(session *s, const input_options *input, const arguments *paths, json *j);
 

@@ -81,6 +81,26 @@ SPH_API void sph_io_open_options_init(sph_io_open_options *options, size_t size)
 SPH_API sph_status sph_io_open_animation(sph_context *context, const char *const *paths, size_t path_count,
                                          const sph_io_open_options *options, sph_animation **out);
 
+/** What a path stands for. */
+typedef struct sph_io_description {
+    uint32_t struct_size; /**< bytes that the library fills */
+    uint32_t file_count;  /**< 1, or how many files a glob or pattern stands for */
+    const char *format;   /**< "OBJ", "PLY", "Alembic", "PC2", ...; never freed */
+    uint32_t point_count; /**< of a point cache; else 0, as is the next */
+    uint32_t frame_count;
+} sph_io_description;
+
+/**
+ * @brief Tells what a file is, or the first of those that a glob or pattern stands for, by content and name, also of formats
+ * that are not read.
+ * @param[out] out  untouched on failure.
+ * @retval SPH_E_INVALID, SPH_E_IO, SPH_E_NOMEM  as sph_io_open_animation().
+ * @retval SPH_E_FORMAT       a damaged point cache.
+ * @retval SPH_E_UNSUPPORTED  not a format that is known.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_describe(sph_context *context, const char *path, sph_io_description *out);
+
 /** A clip (an "animation") of a glTF. */
 typedef struct sph_io_clip {
     uint32_t struct_size; /**< bytes that the library fills */

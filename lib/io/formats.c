@@ -79,12 +79,26 @@ static bool looks_like_obj(const sph__io_map *map)
     return false;
 }
 
-sph_status sph__io_find_reader(sph_context *context, const char *path, const sph__io_map *map, sph__io_read_fn **read)
+static const format *find(const char *path, const sph__io_map *map)
 {
     const format *found = find_by_content(map);
+    if (found == NULL) found = find_by_name(path);
+    return found;
+}
+
+const char *sph__io_format_name(const char *path, const sph__io_map *map)
+{
+    const format *found = find(path, map);
+    const char *cache = sph__io_cache_name(path, map);
+    if (found != NULL) return found->name;
+    return cache != NULL ? cache : looks_like_obj(map) ? FORMATS[0].name : NULL;
+}
+
+sph_status sph__io_find_reader(sph_context *context, const char *path, const sph__io_map *map, sph__io_read_fn **read)
+{
+    const format *found = find(path, map);
     const char *cache = sph__io_cache_name(path, map);
     *read = NULL;
-    if (found == NULL) found = find_by_name(path);
     if (found == NULL && cache != NULL)
         return sph__io_fail(context, SPH_E_UNSUPPORTED,
                             "%s: a point cache (%s) has no triangles: name the mesh, and this as its cache",

@@ -82,6 +82,8 @@ sph__io_read_fn sph__io_read_abc;  /* in its first frame */
 
 /* Which reader a mesh file needs, by content and name; *read is NULL with SPH_E_UNSUPPORTED. */
 sph_status sph__io_find_reader(sph_context *context, const char *path, const sph__io_map *map, sph__io_read_fn **read);
+/* What a file is, by content and name; NULL: nothing that is known. */
+const char *sph__io_format_name(const char *path, const sph__io_map *map);
 /* Opens, finds the reader, reads. */
 sph_status sph__io_read_mesh(const char *path, sph__io_mesh *mesh, size_t *watched);
 

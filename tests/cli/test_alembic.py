@@ -36,6 +36,22 @@ class Alembic(Case):
         self.assertEqual((told["vertices"], told["triangles"], told["frames"]), (8, 12, 5))
         self.assertEqual([(o["samples"], o["faces"]) for o in told["objects"][:3]], [(1, 0), (5, 6), (1, 1)])
 
+    def test_info_names_the_format_of_any_input(self):
+        with open(self.path("a.obj"), "w") as file:
+            file.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        with open(self.path("a.obj")) as one, open(self.path("b.obj"), "w") as other:
+            other.write(one.read())
+        self.succeeds("convert", self.path("a.obj"), self.path("b.obj"), "-o", self.path("c.mdd"))
+        told = self.json("info", SCENE)
+        self.assertEqual((told["format"], told["files"], told["cache_format"]), ("Alembic", 1, None))
+        told = self.json("info", self.path("[ab].obj"))
+        self.assertEqual((told["format"], told["files"], told["frames"]), ("OBJ", 2, 2))
+        told = self.json("info", self.path("c.obj"), "--cache", self.path("c.mdd"))
+        self.assertEqual((told["format"], told["cache_format"], told["frames"]), ("OBJ", "MDD", 2))
+        told = self.json("info", self.path("c.mdd"))
+        self.assertEqual((told["kind"], told["points"], told["frames"]), ("cache", 3, 2))
+        self.assertIn("its mesh is another file", self.succeeds("info", self.path("c.mdd")).stdout)
+
     def test_options_do_what_they_say(self):
         self.assertEqual(self.first_point(), (1, 1, 0))
         self.assertEqual(self.first_point("--up", "z"), (1, 0, -1))

@@ -323,6 +323,38 @@ START_TEST(options_and_arguments_are_checked)
 }
 END_TEST
 
+/* The end of the name decides where the content does not. */
+START_TEST(files_tell_what_they_are)
+{
+    static const char *const CASES[][3] = {
+        {"a.obj", "v 0 0 0\n", "OBJ"}, {"b", "v 0 0 0\n", "OBJ"},     {"c.obj", "ply\nformat", "PLY"},
+        {"d.STL", "", "STL"},          {"e.dat", "Ogawa", "Alembic"}, {"f.abc", "\x89HDF\r\n\x1A\n", "Alembic (HDF5)"},
+        {"g", "glTF", "binary glTF"},  {"h.fbx", "", "FBX"},
+    };
+    sph_io_description d = {.struct_size = sizeof d};
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; ++i) {
+        ck_assert_int_eq(sph_io_describe(context, file_text(CASES[i][0], CASES[i][1]), &d), SPH_OK);
+        ck_assert_str_eq(d.format, CASES[i][2]);
+        ck_assert_uint_eq(d.file_count, 1);
+        ck_assert_uint_eq(d.point_count, 0);
+    }
+    ck_assert_int_eq(sph_io_describe(context, write_cache("a.mdd", 7, 3), &d), SPH_OK);
+    ck_assert_str_eq(d.format, "MDD");
+    ck_assert_uint_eq(d.point_count, 7);
+    ck_assert_uint_eq(d.frame_count, 3);
+    write_obj("s1.obj", 3, 0);
+    write_obj("s12.obj", 3, 0);
+    ck_assert_int_eq(sph_io_describe(context, file_path("s*.obj"), &d), SPH_OK);
+    ck_assert_uint_eq(d.file_count, 2);
+    ck_assert_int_eq(sph_io_describe(context, file_text("n.txt", "dear reader"), &d), SPH_E_UNSUPPORTED);
+    ck_assert_int_eq(sph_io_describe(context, file_text("x.pc2", "POINTCACHE2"), &d), SPH_E_FORMAT);
+    ck_assert_int_eq(sph_io_describe(context, file_path("none"), &d), SPH_E_IO);
+    ck_assert_int_eq(sph_io_describe(context, NULL, &d), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_describe(context, "a.obj", NULL), SPH_E_INVALID);
+    ck_assert_int_eq(sph_io_describe(NULL, "a.obj", &d), SPH_E_INVALID);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tc = tcase_create("all");
@@ -342,5 +374,6 @@ int main(void)
     tcase_add_test(tc, an_animation_outlives_the_callers_context);
     tcase_add_test(tc, a_cache_with_a_sequence_is_refused);
     tcase_add_test(tc, options_and_arguments_are_checked);
+    tcase_add_test(tc, files_tell_what_they_are);
     return run_suite(suite_create("io opening"), tc);
 }
