@@ -9,6 +9,7 @@
 #include "hierarchy.h"
 #include "level.h"
 #include "measure.h"
+#include "pose.h"
 #include "quadric.h"
 #include "query.h"
 #include "skeleton.h"
