@@ -35,6 +35,8 @@ static const char HELP[] = "Builds the hierarchy of animated sphere-meshes of an
                            "      --radius-factor R       largest radius, in widths of its part (0.75)\n"
                            "      --temporal-coherence D  draw spheres to the middle of their parts (0)\n"
                            "      --width-directions N    directions that widths are taken over, 3-1024 (30)\n"
+                           "      --memory-limit SIZE     keep to about 512M, 2G ... of memory\n"
+                           "      --temporary-folder DIR  where the rest goes ($TMPDIR, else /var/tmp)\n"
                            "      --json                  figures as JSON on stdout\n"
                            "      --progress HOW          auto, bar, plain, json or none, on stderr (auto)\n"
                            "      --threads N             threads; 0: one per processor (0)\n"
@@ -48,6 +50,7 @@ static const char HELP[] = "Builds the hierarchy of animated sphere-meshes of an
 typedef struct build_options {
     common_options common;
     input_options input;
+    memory_options memory;
     const char *output;
     bool weld;
     int importance, radius;
@@ -73,6 +76,7 @@ static int parse(build_options *b, int argc, char **argv, arguments *paths)
                             {"radius-factor", 0, OPTION_NUMBER, &b->radius_factor, 0, 1e30, NULL},
                             {"temporal-coherence", 0, OPTION_NUMBER, &b->temporal_coherence, 0, 1e30, NULL},
                             {"width-directions", 0, OPTION_COUNT, &b->width_directions, 3, 1024, NULL},
+                            MEMORY_OPTIONS(b->memory),
                             COMMON_OPTIONS(b->common)};
     int result;
     sph_hierarchy_options_init(&defaults, sizeof defaults);
@@ -86,6 +90,8 @@ static int parse(build_options *b, int argc, char **argv, arguments *paths)
     if (result != DONE || b->common.help) return result;
     result = input_check("build", &b->input, paths);
     if (result != DONE) return result;
+    if (b->memory.folder != NULL && b->memory.limit == 0)
+        return usage_error("build", "--temporary-folder: it goes with --memory-limit");
     if (b->output == NULL) return usage_error("build", "-o is missing: where should the hierarchy go?");
     if (!name_ends(b->output, ".sphm")) return usage_error("build", "-o: '%s' does not end in .sphm", b->output);
     return DONE;
@@ -214,7 +220,7 @@ static int run(int argc, char **argv)
     int result = parse(&b, argc, argv, &paths);
     if (result == DONE && b.common.help) {
         fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open(&s, &b.common)) == DONE) {
+    } else if (result == DONE && (result = session_open_limited(&s, &b.common, &b.memory)) == DONE) {
         result = build(&s, &b, &paths);
         session_close(&s);
     }

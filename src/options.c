@@ -35,6 +35,29 @@ static bool read_number(const char *text, double *out)
     return *end == '\0' && isfinite(*out);
 }
 
+/* 512M, 1.5G, 100000: bytes. */
+static bool read_size(const char *text, uint64_t *out)
+{
+    static const char UNITS[] = "KMGT";
+    char *end;
+    const char *unit;
+    double value;
+    if ((text[0] < '0' || text[0] > '9') && text[0] != '.') return false;
+    value = strtod(text, &end);
+    unit = *end == '\0' ? NULL : strchr(UNITS, *end >= 'a' ? *end - 'a' + 'A' : *end);
+    if (*end != '\0') {
+        if (unit == NULL) return false;
+        for (const char *p = UNITS; p <= unit; ++p)
+            value *= 1024;
+        ++end;
+        if (*end == 'i') ++end;
+        if (*end == 'B' || *end == 'b') ++end;
+    }
+    if (*end != '\0' || !(value < 9e18)) return false;
+    *out = (uint64_t)value;
+    return true;
+}
+
 /* A:B:STEP, where every part may be missing; A alone is that frame alone. */
 static bool read_frames(const char *text, frame_range *out)
 {
@@ -68,6 +91,9 @@ static int bad_value(const char *command, const option *o, const char *value)
         if (o->least > -1e30)
             return usage_error(command, "--%s: '%s' is not a number of at least %g", o->name, value, o->least);
         return usage_error(command, "--%s: '%s' is not a number", o->name, value);
+    case OPTION_SIZE:
+        return usage_error(command, "--%s: '%s' is not a size of at least %.0fM, such as 512M or 2G", o->name, value,
+                           o->least / 1048576);
     case OPTION_FRAMES:
         return usage_error(command, "--%s: '%s' is not A:B or A:B:STEP with A below B and STEP above 0", o->name,
                            value);
@@ -88,6 +114,7 @@ static int set_value(const char *command, const option *o, const char *value)
     const char *end = "";
     double number;
     uint32_t count;
+    uint64_t size;
     switch (o->kind) {
     case OPTION_TEXT:
         if (*value == '\0') return usage_error(command, "--%s: the value is empty", o->name);
@@ -100,6 +127,10 @@ static int set_value(const char *command, const option *o, const char *value)
     case OPTION_NUMBER:
         if (!read_number(value, &number) || number < o->least || number > o->most) break;
         *(double *)o->target = number;
+        return DONE;
+    case OPTION_SIZE:
+        if (!read_size(value, &size) || (double)size < o->least) break;
+        *(uint64_t *)o->target = size;
         return DONE;
     case OPTION_CHOICE:
         for (int i = 0; o->choices[i] != NULL; ++i) {

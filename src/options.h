@@ -14,6 +14,7 @@ typedef enum option_kind {
     OPTION_COUNT,  /* uint32_t from `least` to `most` */
     OPTION_NUMBER, /* double from `least` to `most` */
     OPTION_CHOICE, /* int: index into `choices` */
+    OPTION_SIZE,   /* uint64_t: bytes, with K, M, G or T after the number for more; at least `least` */
     OPTION_FRAMES  /* frame_range */
 } option_kind;
 

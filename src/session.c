@@ -2,6 +2,7 @@
 #include "session.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/resource.h>
@@ -19,7 +20,30 @@ static void log_message(void *user, int32_t severity, const char *message)
     fprintf(stderr, "sphmesh: warning: %s\n", message);
 }
 
-int session_open(session *s, const common_options *common)
+/* Progress is a good moment to look at memory. */
+static bool trim_and_go_on(void *user, const char *stage, double fraction)
+{
+    session *s = user;
+    sph_io_spill_trim(s->spill);
+    return progress_callback(&s->progress, stage, fraction);
+}
+
+static int open_spill(session *s, const memory_options *memory, const sph_context_options *base)
+{
+    sph_context_options plain = *base;
+    sph_io_spill_options o;
+    const char *folder = memory->folder != NULL ? memory->folder : getenv("TMPDIR");
+    sph_status status;
+    status = sph_context_create(&plain, &s->plain);
+    if (status != SPH_OK) return failure("cannot start: %s", sph_status_text(status));
+    sph_io_spill_options_init(&o, sizeof o);
+    o.memory_limit = memory->limit;
+    o.folder = folder != NULL && *folder != '\0' ? folder : NULL;
+    status = sph_io_spill_create(s->plain, &o, &s->spill);
+    return status == SPH_OK ? DONE : failure("--memory-limit: %s", sph_context_last_message(s->plain));
+}
+
+int session_open_limited(session *s, const common_options *common, const memory_options *memory)
 {
     sph_context_options o;
     sph_status status;
@@ -28,19 +52,37 @@ int session_open(session *s, const common_options *common)
     interrupt_catch();
     sph_context_options_init(&o, sizeof o);
     o.thread_count = common->threads;
-    o.progress = progress_callback;
-    o.progress_user = &s->progress;
+    o.progress = trim_and_go_on;
+    o.progress_user = s;
     o.log = log_message;
     o.log_user = s;
+    if (memory != NULL && memory->limit != 0) {
+        if (open_spill(s, memory, &o) != DONE) {
+            session_close(s);
+            return FAILED;
+        }
+        sph_io_spill_get_allocator(s->spill, &o.allocator);
+        sph_io_spill_get_executor(s->spill, &o.executor);
+    }
     status = sph_context_create(&o, &s->context);
-    return status == SPH_OK ? DONE : failure("cannot start: %s", sph_status_text(status));
+    if (status == SPH_OK) return DONE;
+    session_close(s);
+    return failure("cannot start: %s", sph_status_text(status));
+}
+
+int session_open(session *s, const common_options *common)
+{
+    return session_open_limited(s, common, NULL);
 }
 
 void session_close(session *s)
 {
     progress_clear(&s->progress);
     sph_context_destroy(s->context);
-    s->context = NULL;
+    sph_io_spill_destroy(s->spill);
+    sph_context_destroy(s->plain);
+    s->context = s->plain = NULL;
+    s->spill = NULL;
 }
 
 int session_fail(session *s, sph_status status, const char *subject)
@@ -48,6 +90,8 @@ int session_fail(session *s, sph_status status, const char *subject)
     const char *message = sph_context_last_message(s->context);
     progress_clear(&s->progress);
     if (status == SPH_E_CANCELLED || interrupted()) return failure("cancelled");
+    if (status == SPH_E_NOMEM && s->spill != NULL && sph_context_last_message(s->plain)[0] != '\0')
+        message = sph_context_last_message(s->plain); /* the disk was full, not memory */
     if (message[0] == '\0') message = sph_status_text(status);
     if (subject == NULL || strstr(message, subject) != NULL) return failure("%s", message);
     return failure("%s: %s", subject, message);
@@ -114,8 +158,16 @@ uint64_t file_size(const char *path)
     return stat(path, &info) == 0 && info.st_size > 0 ? (uint64_t)info.st_size : 0;
 }
 
+/* getrusage also counts what the process had before it became this program, where it was started by a larger one. */
 uint64_t peak_memory(void)
 {
     struct rusage usage;
+    unsigned long long kilobytes = 0;
+    char line[256];
+    FILE *file = fopen("/proc/self/status", "r");
+    while (file != NULL && kilobytes == 0 && fgets(line, sizeof line, file) != NULL)
+        if (strncmp(line, "VmHWM:", 6) == 0) kilobytes = strtoull(line + 6, NULL, 10);
+    if (file != NULL) fclose(file);
+    if (kilobytes != 0) return (uint64_t)kilobytes * 1024;
     return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * 1024 : 0;
 }

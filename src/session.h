@@ -10,12 +10,27 @@
 
 typedef struct session {
     sph_context *context;
+    sph_context *plain;  /* with a memory limit: the context that has none, */
+    sph_io_spill *spill; /* and what the other one takes its memory from */
     progress progress;
     bool quiet, json;
 } session;
 
-/* DONE, or FAILED after it has said why. */
+/* How much memory a command may have resident, and where the rest goes. */
+typedef struct memory_options {
+    uint64_t limit;     /* 0: as much as it wants */
+    const char *folder; /* NULL: $TMPDIR, else /var/tmp */
+} memory_options;
+
+#define MEMORY_OPTIONS(memory)                                                                                         \
+    {"memory-limit", 0, OPTION_SIZE, &(memory).limit, (double)SPH_IO_SPILL_LEAST, 0, NULL},                            \
+    {                                                                                                                  \
+        "temporary-folder", 0, OPTION_TEXT, &(memory).folder, 0, 0, NULL                                               \
+    }
+
+/* DONE, or FAILED after it has said why. `memory` may be NULL: no limit. */
 int session_open(session *s, const common_options *common);
+int session_open_limited(session *s, const common_options *common, const memory_options *memory);
 void session_close(session *s);
 /* Tells of a library call that failed (or that Ctrl-C stopped); `subject` is a file or NULL. Returns FAILED. */
 int session_fail(session *s, sph_status status, const char *subject);

@@ -12,6 +12,8 @@
 
 #include "sphmesh.h"
 
+#include "spill.h"
+
 SPH_BEGIN_DECLS
 
 /** Axis that points up in a file; positions are turned so that y is up. */

@@ -213,6 +213,7 @@ static sph_status step(sph__builder *b)
 sph_status sph__decimate(sph__builder *b)
 {
     sph_status status;
+    uint32_t report_every;
     b->new_center = sph__zalloc(b->context, b->node_floats, sizeof(float));
     b->new_block = sph__alloc(b->context, SPH__BLOCK_ROWS, b->stride * sizeof(float));
     if (b->new_center == NULL || b->new_block == NULL) return sph__fail_memory(b->context);
@@ -221,8 +222,11 @@ sph_status sph__decimate(sph__builder *b)
     sph__progress_part(&b->progress, 0.2);
     status = sph__fill_queue(b);
     sph__progress_part(&b->progress, 0.6);
+    /* As often for the same amount of memory that is passed: a host may have to look after it. */
+    report_every = b->stride < 1024 ? (uint32_t)(1024 / b->stride) : 1;
+    if (report_every > 64) report_every = 64;
     while (status == SPH_OK && (sph__heap_count(&b->queue) > 0 || sph__heap_count(&b->refused) > 0)) {
-        if (b->h->collapse_count % 64 == 0)
+        if (b->h->collapse_count % report_every == 0)
             status = sph__progress_report(&b->progress, "decimation", (double)b->h->collapse_count / b->n);
         if (status == SPH_OK) status = step(b);
     }

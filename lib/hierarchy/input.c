@@ -33,14 +33,40 @@ static double frame_diagonal(const float *xyz, uint32_t n)
     return sqrt(squared);
 }
 
-static void scatter_frame(sph__builder *b, uint32_t frame, const float *xyz)
+/* Frames on their way to the vertices' rows: several at once, so that each row is passed a few times only. */
+enum { BATCH_FRAMES = 64, BATCH_GRAIN = 256 };
+
+typedef struct batch {
+    sph__builder *b;
+    float *xyz; /* [BATCH_FRAMES][n][3] */
+    uint32_t first, count;
+} batch;
+
+static void scatter_vertices(void *argument, size_t begin, size_t end)
 {
-    float *row = b->h->centers + frame;
-    for (uint32_t i = 0; i < b->n; ++i, row += b->node_floats) {
-        row[0] = xyz[3 * (size_t)i];
-        row[b->stride] = xyz[3 * (size_t)i + 1];
-        row[2 * b->stride] = xyz[3 * (size_t)i + 2];
+    const batch *frames = argument;
+    const sph__builder *b = frames->b;
+    const size_t s = b->stride, pitch = 3 * (size_t)b->n;
+    for (size_t v = begin; v < end; ++v) {
+        float *row = b->h->centers + v * b->node_floats + frames->first;
+        const float *xyz = frames->xyz + 3 * v;
+        for (size_t f = 0; f < frames->count; ++f, xyz += pitch) {
+            row[f] = xyz[0];
+            row[s + f] = xyz[1];
+            row[2 * s + f] = xyz[2];
+        }
     }
+}
+
+/* Adds a frame; the last one of a batch, or of all, sends it off. */
+static void add_frame(batch *frames, const float *xyz)
+{
+    const sph__builder *b = frames->b;
+    memcpy(frames->xyz + frames->count++ * 3 * (size_t)b->n, xyz, 3 * (size_t)b->n * sizeof *xyz);
+    if (frames->count < BATCH_FRAMES && frames->first + frames->count < b->frames) return;
+    sph__parallel_for(b->context, b->n, BATCH_GRAIN, scatter_vertices, frames);
+    frames->first += frames->count;
+    frames->count = 0;
 }
 
 sph_status sph__load_frames(sph__builder *b)
@@ -48,7 +74,11 @@ sph_status sph__load_frames(sph__builder *b)
     float *scratch;
     float largest = 0;
     double diagonals = 0;
+    batch frames = {.b = b};
     sph_status status = sph__animation_scratch(b->animation, &scratch);
+    if (status != SPH_OK) return status;
+    frames.xyz = sph__alloc(b->context, b->frames < BATCH_FRAMES ? b->frames : BATCH_FRAMES, 3 * (size_t)b->n * sizeof(float));
+    if (frames.xyz == NULL) status = sph__fail_memory(b->context);
     for (uint32_t f = 0; f < b->frames && status == SPH_OK; ++f) {
         const float *xyz = NULL;
         status = sph__progress_report(&b->progress, "frames", (double)f / b->frames);
@@ -56,10 +86,11 @@ sph_status sph__load_frames(sph__builder *b)
         if (status == SPH_OK) status = sph__check_finite(b->context, f, xyz, b->n);
         if (status == SPH_OK) status = check_limit(b, f, xyz, &largest);
         if (status != SPH_OK) break;
-        scatter_frame(b, f, xyz);
+        add_frame(&frames, xyz);
         diagonals += frame_diagonal(xyz, b->n);
     }
     b->h->bounding_diagonal = diagonals / b->frames;
+    sph__free(b->context, frames.xyz);
     sph__free(b->context, scratch);
     if (status != SPH_OK) return status;
     /* Padding: zeros, so that its matrices are zero. */
