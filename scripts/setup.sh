@@ -12,6 +12,7 @@ test_packages=(
     liblapacke-dev        # the oracle of lib/numeric
     libjansson-dev libopenmesh-dev # the oracles of lib/io
     libcgal-dev           # the oracle of distances to meshes
+    libeigen3-dev libbullet-dev libembree-dev # what the benches compare with, besides
     abigail-tools cmake   # the binary interface, and a user of CMake
     python3 python3-yaml  # the tests of the program, and scripts/*.py
 )

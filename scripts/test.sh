@@ -149,6 +149,13 @@ same_bits() {
     done
 }
 
+# bench_runs NAME: once as text, once as JSON that is one.
+bench_runs() {
+    "$work/gcc/tests/bench/$1" --tiny &&
+        "$work/gcc/tests/bench/$1" --tiny --json >"$work/$1.json" &&
+        python3 -m json.tool "$work/$1.json" >/dev/null
+}
+
 # stage KIND: an installed tree with the shared libraries only, or the static ones only.
 stage() {
     rm -rf "${work:?}/stage-$1"
@@ -191,6 +198,13 @@ fi
 if wanted portable; then
     say "portable: without vector kernels, release optimisation, assertions of the tests on"
     build portable -Dsimd=disabled -Doptimization=3 && run portable --no-suite io --no-suite cli
+fi
+
+if wanted gcc; then
+    say "benches, once, on tiny input"
+    for name in bench_build bench_query; do
+        check "$name runs" bench_runs $name
+    done
 fi
 
 if wanted gcc && wanted clang && wanted portable; then
