@@ -55,6 +55,9 @@ static void scatter_vertices(void *argument, size_t begin, size_t end)
             row[s + f] = xyz[1];
             row[2 * s + f] = xyz[2];
         }
+        /* Padding: zeros, so that its matrices are zero. */
+        for (size_t f = frames->first + frames->count == b->frames ? frames->count : s; f + frames->first < s; ++f)
+            row[f] = row[s + f] = row[2 * s + f] = 0;
     }
 }
 
@@ -93,9 +96,6 @@ sph_status sph__load_frames(sph__builder *b)
     sph__free(b->context, frames.xyz);
     sph__free(b->context, scratch);
     if (status != SPH_OK) return status;
-    /* Padding: zeros, so that its matrices are zero. */
-    for (size_t row = 0; row < 3 * (size_t)b->n; ++row)
-        for (size_t f = b->frames; f < b->stride; ++f) b->h->centers[row * b->stride + f] = 0;
     sph__normalise_size(b, (double)largest);
     return SPH_OK;
 }

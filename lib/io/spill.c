@@ -108,10 +108,7 @@ static bool trim(sph_io_spill *s)
     const uint64_t now = resident(s);
     size_t size;
     if (now <= s->high) return now > s->low / 2;
-    if (now > s->limit)
-        pthread_mutex_lock(&s->trim_lock); /* whoever asks waits, and touches nothing meanwhile */
-    else if (pthread_mutex_trylock(&s->trim_lock) != 0)
-        return true; /* another thread is at it */
+    pthread_mutex_lock(&s->trim_lock); /* where another is at it: who waits touches nothing meanwhile */
     if (resident(s) <= s->high) {
         pthread_mutex_unlock(&s->trim_lock);
         return true;
