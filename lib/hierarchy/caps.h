@@ -48,7 +48,7 @@ SPH__INLINE void sph__add_angle(const sph__v8d *x, const sph__v8d *y, sph__v8d *
 /* Adds the cap's plane in eight frames, from the sum of angles and the rows of the quadric without it: its part of W. */
 SPH__INLINE void sph__add_cap_plane(const sph__v8d *angles, double weight, float *eight, sph__v8d *total)
 {
-    const sph__v8d zero = {0}, most = zero + SPH__TWO_PI;
+    const sph__v8d zero = {0};
     sph__v8i some;
     sph__v8d n[3], length, w;
 #define row(number) sph__load(eight, (number) * SPH__LANES)
@@ -57,7 +57,10 @@ SPH__INLINE void sph__add_cap_plane(const sph__v8d *angles, double weight, float
     length = sph__root(length);
     some = sph__greater(length, zero);
     /* no angle at all is no tip but a vertex whose triangles have collapsed */
-    w = sph__select(some & sph__greater(*angles, zero) & sph__greater(most, *angles), weight * (SPH__TWO_PI - *angles), *angles * 0);
+    w = weight * (SPH__TWO_PI - *angles);
+    w = sph__select(sph__greater(w, zero), w, zero);
+    w = sph__select(sph__greater(*angles, zero), w, zero);
+    w = sph__select(some, w, zero);
     for (size_t k = 0; k < 3; ++k) n[k] = sph__select(some, n[k] / length, length);
     *total += w;
     sph__store(eight, SPH__M00 * SPH__LANES, row(SPH__M00) + w * n[0] * n[0]);

@@ -164,58 +164,64 @@ static sph_status find_components(const sph__builder *b, uint32_t **roots)
     return SPH_OK;
 }
 
-/* Adds each triangle's signed volume against its component's first vertex, and its area, over all frames. */
-static void add_volumes(const sph__builder *b, const uint32_t *roots, double (*volumes)[2])
+/* What triangles enclose with the first vertices of their components, and their areas. */
+typedef struct volumes {
+    const sph__builder *b;
+    const uint32_t *roots;
+    double (*triangles)[2]; /* signed volume and area, over all frames */
+} volumes;
+
+static void measure_range(void *argument, size_t begin, size_t end)
 {
-    const size_t s = b->stride;
-    for (size_t t = 0; t < b->cell_count; ++t) {
-        const uint32_t *corner = b->cells + 3 * t;
-        const uint32_t root = roots[corner[0]];
-        const float *o = sph__node_center(b, root), *p = sph__node_center(b, corner[0]);
-        const float *q = sph__node_center(b, corner[1]), *r = sph__node_center(b, corner[2]);
-        for (uint32_t f = 0; f < b->frames; ++f) {
-            double e[3], g[3], n[3], volume = 0, squared = 0;
-            for (unsigned k = 0; k < 3; ++k) {
-                e[k] = (double)q[k * s + f] - p[k * s + f];
-                g[k] = (double)r[k * s + f] - p[k * s + f];
-            }
-            for (unsigned k = 0; k < 3; ++k) {
-                n[k] = e[(k + 1) % 3] * g[(k + 2) % 3] - e[(k + 2) % 3] * g[(k + 1) % 3];
-                squared += n[k] * n[k];
-                volume += n[k] * ((double)p[k * s + f] - o[k * s + f]);
-            }
-            volumes[root][0] += volume / 6;
-            volumes[root][1] += sqrt(squared) / 2;
-        }
+    const volumes *v = argument;
+    for (size_t t = begin; t < end; ++t) {
+        const uint32_t *corner = v->b->cells + 3 * t;
+        sph__kernel_volume(sph__node_center(v->b, v->roots[corner[0]]), sph__node_center(v->b, corner[0]),
+                           sph__node_center(v->b, corner[1]), sph__node_center(v->b, corner[2]), v->b->stride,
+                           v->triangles[t]);
     }
+}
+
+/* Adds them up by component. */
+static sph_status add_volumes(const sph__builder *b, const uint32_t *roots, double (*sums)[2])
+{
+    enum { GRAIN = 64 };
+    volumes v = {b, roots, sph__alloc(b->context, b->cell_count, sizeof *v.triangles)};
+    if (v.triangles == NULL) return sph__fail_memory(b->context);
+    sph__parallel_for(b->context, b->cell_count, GRAIN, measure_range, &v);
+    for (size_t t = 0; t < b->cell_count; ++t)
+        for (unsigned k = 0; k < 2; ++k) sums[roots[b->cells[3 * t]]][k] += v.triangles[t][k];
+    sph__free(b->context, v.triangles);
+    return SPH_OK;
 }
 
 /* A component counts as inside out where its signed volume is at most this part of a ball's of its area, negated. */
 #define INWARD_SHARE 0.01
 
-static sph_status orient_outward(sph__builder *b)
+static void turn_inward_components(sph__builder *b, const uint32_t *roots, double (*sums)[2])
 {
-    uint32_t *roots = NULL;
-    double(*volumes)[2];
-    sph_status status = find_components(b, &roots);
-    if (status != SPH_OK) return status;
-    volumes = sph__zalloc(b->context, b->n, sizeof *volumes);
-    if (volumes == NULL) {
-        sph__free(b->context, roots);
-        return sph__fail_memory(b->context);
-    }
-    add_volumes(b, roots, volumes);
     for (size_t t = 0; t < b->cell_count; ++t) {
-        const double *v = volumes[roots[b->cells[3 * t]]];
+        const double *v = sums[roots[b->cells[3 * t]]];
         const double area = v[1] / b->frames, ball = area * sqrt(area) / 10.6347; /* 6 sqrt(pi) */
         if (v[0] / b->frames >= -INWARD_SHARE * ball) continue;
         const uint32_t swapped = b->cells[3 * t + 1];
         b->cells[3 * t + 1] = b->cells[3 * t + 2];
         b->cells[3 * t + 2] = swapped;
     }
-    sph__free(b->context, volumes);
+}
+
+static sph_status orient_outward(sph__builder *b)
+{
+    uint32_t *roots = NULL;
+    double(*sums)[2];
+    sph_status status = find_components(b, &roots);
+    if (status != SPH_OK) return status;
+    sums = sph__zalloc(b->context, b->n, sizeof *sums);
+    status = sums == NULL ? sph__fail_memory(b->context) : add_volumes(b, roots, sums);
+    if (status == SPH_OK) turn_inward_components(b, roots, sums);
+    sph__free(b->context, sums);
     sph__free(b->context, roots);
-    return SPH_OK;
+    return status;
 }
 
 /* A triangle that names a vertex twice is an edge, or a point. */

@@ -289,6 +289,35 @@ double sph__kernel_inversion(const float *p, const float *q, const float *before
     return inversion_clones(p, q, before, after, stride);
 }
 
+SPH__CLONES static void volume_clones(const float *o, const float *p, const float *q, const float *r, size_t s,
+                                      double sums[2])
+{
+    sph__v8d volume = {0}, area = {0};
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        sph__v8d d[3], e[3], f[3], n[3], squared;
+        for (size_t k = 0; k < 3; ++k) {
+            const sph__v8d at = sph__load(p, k * s + i);
+            d[k] = at - sph__load(o, k * s + i);
+            e[k] = sph__load(q, k * s + i) - at;
+            f[k] = sph__load(r, k * s + i) - at;
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            const size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+            n[k] = e[k1] * f[k2] - e[k2] * f[k1];
+        }
+        squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+        area += sph__root(squared);
+        volume += n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
+    }
+    sums[0] = sph__sum(volume) / 6;
+    sums[1] = sph__sum(area) / 2;
+}
+
+void sph__kernel_volume(const float *o, const float *p, const float *q, const float *r, size_t stride, double sums[2])
+{
+    volume_clones(o, p, q, r, stride, sums);
+}
+
 void sph__kernel_unite_means(const float *u, const float *v, size_t stride, float *out)
 {
     for (size_t i = 0; i < stride; i += SPH__LANES) {

@@ -68,6 +68,9 @@ void sph__kernel_unite(const sph__region *u, const sph__region *v, size_t stride
 /* sum over frames of sqrt(area * area') n.n' of triangle (p, q, old) and (p, q, new). */
 double sph__kernel_inversion(const float *p, const float *q, const float *before, const float *after, size_t stride);
 
+/* The signed volume of the tetrahedron (o, p, q, r), and the area of (p, q, r), each summed over frames. */
+void sph__kernel_volume(const float *o, const float *p, const float *q, const float *r, size_t stride, double sums[2]);
+
 /* mean and area rows of the union */
 void sph__kernel_unite_means(const float *u, const float *v, size_t stride, float *out);
 
