@@ -17,6 +17,7 @@ typedef struct sph__slot {
     float *block;                /* NULL: a leaf without one */
     uint32_t place;              /* of the block in its pool */
     uint32_t pin;                /* a leaf whose block must stay while this is sph__builder.pin */
+    uint32_t batch;              /* the last one in which one of its collapses was worked out ahead */
     uint8_t used;                /* a leaf whose block was of use since the cache last came by */
     double w, b, c;
     double width;                /* lower bound of the region's width */
@@ -84,7 +85,7 @@ typedef struct sph__builder {
     size_t direction_stride;
     uint32_t probe_frames;       /* frames whose extents are kept */
     size_t probe_count;          /* probe_frames * direction_stride */
-    double *probes;              /* [n][2][probe_count] by slot: low and high ends of the extents; NULL where */
+    double *probes;              /* [slots][2][probe_count]: low and high ends of the extents; NULL where */
     float *probe_bounds;         /* they are not all frames: intervals that hold them are enough then */
     sph__extents extents;
     uint8_t *cell_open;          /* [n]: the triangles do not close around the vertex */
@@ -98,10 +99,11 @@ typedef struct sph__builder {
     size_t block_budget;     /* bytes that blocks and the centres of collapses may take where leaves have a choice */
     size_t leaf_hand;        /* where the search for a block to do without goes on */
     uint32_t pin;
-    sph__slot *slots;     /* [n] */
+    sph__slot *slots;     /* [n], and those of guesses */
     uint32_t *slot_of;    /* [2 n - 1] */
     float *means;         /* [2 n][4][stride] by slot: temporal coherence; else NULL */
 
+    struct sph__guesses *guesses; /* NULL with one thread */
     sph__connectivity mesh;
     sph__candidate *candidates; /* per edge */
     sph__heap queue, refused;
@@ -181,8 +183,11 @@ sph_status sph__union_width(const sph__builder *b, sph__extents *extents, const 
                             double *width);
 /* An upper bound of it that costs little. */
 double sph__union_width_bound(const sph__builder *b, const sph__slot *u, const sph__slot *v);
+void sph__prefetch_widths(const sph__builder *b, const sph__slot *slot);
+/* What is known of a region's extents, to another slot's rows. */
+void sph__copy_widths(const sph__builder *b, sph__slot *to, const sph__slot *from);
 /* What is known of the union's extents, into u's rows. */
-void sph__unite_widths(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate);
+void sph__unite_widths(const sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate);
 
 /* Exact widths of the union of two regions in every frame. */
 sph_status sph__union_frame_widths(const sph__builder *b, sph__extents *extents, const sph__slot *u,
@@ -221,10 +226,34 @@ static inline uint64_t sph__edge_tie(const sph__builder *b, uint32_t edge)
 /* The cost of an edge with the best bound of the radius that is at hand: exact where the bound does not matter, else a
  * lower bound of the cost. Both ends have blocks. */
 double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candidate);
-/* The exact cost. */
-sph_status sph__evaluate_exactly(sph__builder *b, uint32_t edge, sph__candidate *candidate, double *cost);
+/* The same of regions (not with radii per frame), u the older. */
+double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const sph__region *v, const sph__slot *su,
+                             const sph__slot *sv, sph__candidate *candidate);
+/* The exact cost (not with radii per frame). */
+sph_status sph__evaluate_exactly(const sph__builder *b, sph__extents *extents, uint32_t edge, sph__candidate *candidate,
+                                 double *cost);
+/* Whether one of the surviving triangles of u or v turns over when both move to `center`. */
+bool sph__inverts(const sph__builder *b, uint32_t u, uint32_t v, const float *center);
 /* The costs of all edges of the input, into the queue. */
 sph_status sph__fill_queue(sph__builder *b);
+
+/* Collapses worked out ahead: guess.h. Their new nodes have slots behind those of regions. */
+enum { SPH__GUESS_SLOTS = 64 };
+typedef struct sph__guess sph__guess;
+sph_status sph__guesses_create(sph__builder *b);
+void sph__guesses_destroy(sph__builder *b);
+/* The guess for the edge between its two nodes; NULL where there is none. */
+const sph__guess *sph__guess_find(const sph__builder *b, uint32_t edge);
+/* The exact cost, and what belongs to it. */
+double sph__guess_exact(const sph__guess *guess, sph__candidate *candidate);
+/* The sphere into new_center, and whether that inverts triangles; false where the guess is too old for that. */
+bool sph__guess_sphere(sph__builder *b, const sph__guess *guess, bool *inverts);
+/* The scalars of the united quadric into the slot; returns its block. Only where it does not invert triangles. */
+const float *sph__guess_block(const sph__builder *b, const sph__guess *guess, sph__slot *slot);
+/* The cost of the new node's edge to `other`, where it is known. */
+bool sph__guess_cost(const sph__guess *guess, uint32_t other, double *cost, sph__candidate *candidate);
+/* For an edge without a guess: works out those on top of the queue, if there are enough. */
+sph_status sph__guess_ahead(sph__builder *b);
 
 /* The minimum of the united quadric with 0 <= r <= radius_max, from its sums. */
 sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double radius_max);

@@ -15,30 +15,17 @@ static sph_status need_ends(sph__builder *b, uint32_t edge)
     return status == SPH_OK ? sph__need_leaf(b, v) : status;
 }
 
-static sph_status push(sph__builder *b, uint32_t edge)
+/* The cost of a new node's edge, from the collapse's guess where it has it. */
+static sph_status push(sph__builder *b, uint32_t edge, uint32_t node, const sph__guess *guess)
 {
     double cost;
-    const sph_status status = need_ends(b, edge);
-    if (status != SPH_OK) return status;
-    cost = sph__evaluate(b, edge, &b->candidates[edge]);
     ++b->h->evaluations;
-    return sph__heap_set(&b->queue, edge, cost, sph__edge_tie(b, edge));
-}
-
-/* Whether one of the surviving triangles of `node` turns over when the node moves to the new centre. */
-static bool inverts_around(const sph__builder *b, uint32_t node, uint32_t other)
-{
-    const uint32_t *triangles = sph__list_items(&b->mesh.node_triangles, node);
-    const uint32_t count = sph__list_count(&b->mesh.node_triangles, node);
-    for (uint32_t i = 0; i < count; ++i) {
-        uint32_t x[2];
-        sph__triangle_others(&b->mesh, triangles[i], node, x);
-        if (x[0] == other || x[1] == other) continue;
-        if (sph__kernel_inversion(sph__node_center(b, x[0]), sph__node_center(b, x[1]), sph__node_center(b, node),
-                                  b->new_center, b->stride) < 0)
-            return true;
+    if (guess == NULL || !sph__guess_cost(guess, sph__edge_other(&b->mesh, edge, node), &cost, &b->candidates[edge])) {
+        const sph_status status = need_ends(b, edge);
+        if (status != SPH_OK) return status;
+        cost = sph__evaluate(b, edge, &b->candidates[edge]);
     }
-    return false;
+    return sph__heap_set(&b->queue, edge, cost, sph__edge_tie(b, edge));
 }
 
 /* Refused edges around a node come back: its triangles have changed. */
@@ -58,8 +45,8 @@ static sph_status readmit_around(sph__builder *b, uint32_t node)
     return SPH_OK;
 }
 
-/* The united region's block: one that u or v had, or a new one. */
-static sph_status unite_blocks(sph__builder *b, uint32_t nu, uint32_t nv)
+/* The united region's block, to where u or v had theirs, or to a new place. */
+static sph_status unite_blocks(sph__builder *b, uint32_t nu, uint32_t nv, const float *block)
 {
     const uint32_t u = b->slot_of[nu], v = b->slot_of[nv];
     if (b->h->radii_per_frame) {
@@ -74,37 +61,56 @@ static sph_status unite_blocks(sph__builder *b, uint32_t nu, uint32_t nv)
         sph__blocks_give(&b->blocks, v);
     else if (nu < b->n && !sph__blocks_take(&b->blocks, u))
         return sph__fail_memory(b->context);
-    memcpy(b->slots[u].block, b->new_block, SPH__BLOCK_ROWS * b->stride * sizeof(float));
+    memcpy(b->slots[u].block, block, SPH__BLOCK_ROWS * b->stride * sizeof(float));
     sph__limit_leaves(b);
     return SPH_OK;
 }
 
+/* The scalars of the united quadric, and its block; with radii per frame that of u becomes it. */
+static const float *unite_quadrics(sph__builder *b, uint32_t nu, uint32_t nv, const sph__candidate *candidate,
+                                   const sph__guess *guess)
+{
+    sph__slot *slot = sph__slot_of(b, nu);
+    if (b->h->radii_per_frame) {
+        slot->c = sph__per_frame_unite(b, nu, nv);
+        return slot->block;
+    }
+    if (guess == NULL) {
+        const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
+        sph__kernel_unite(&u, &v, b->stride, b->new_center, (double)(float)candidate->radius, b->new_block, &slot->w,
+                          &slot->b, &slot->c);
+        return b->new_block;
+    }
+    return sph__guess_block(b, guess, slot);
+}
+
 /* Quadric, sphere and members of the new node w, into the slot of u. */
-static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint32_t w, const sph__candidate *candidate)
+static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint32_t w, const sph__candidate *candidate,
+                                const sph__guess *guess)
 {
     sph__slot *su = sph__slot_of(b, nu), *sv = sph__slot_of(b, nv);
-    const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
-    const float radius = (float)candidate->radius;
     sph_hierarchy *h = b->h;
+    const float *block;
     memcpy(sph__node_center(b, w), b->new_center, b->node_floats * sizeof(float));
     b->live_cost -= su->c + sv->c;
-    if (h->radii_per_frame) {
+    if (h->radii_per_frame)
         memcpy(h->radii + w * b->stride, b->new_radii, b->stride * sizeof(float));
-        su->c = sph__per_frame_unite(b, nu, nv);
-    } else {
-        h->radii[w] = radius;
-        sph__kernel_unite(&u, &v, b->stride, b->new_center, (double)radius, b->new_block, &su->w, &su->b, &su->c);
-    }
+    else
+        h->radii[w] = (float)candidate->radius;
+    block = unite_quadrics(b, nu, nv, candidate, guess);
     if (su->c < 0) su->c = 0;
     b->live_cost += su->c;
-    if (b->means != NULL) sph__kernel_unite_means(u.mean, v.mean, b->stride, (float *)u.mean);
+    if (b->means != NULL) {
+        float *mean = b->means + (size_t)(su - b->slots) * 4 * b->stride;
+        sph__kernel_unite_means(mean, b->means + (size_t)(sv - b->slots) * 4 * b->stride, b->stride, mean);
+    }
     sph__unite_widths(b, su, sv, candidate);
     b->next_member[su->last] = sv->first;
     su->last = sv->last;
     su->count += sv->count;
     su->node = w;
     b->slot_of[w] = b->slot_of[nu];
-    return unite_blocks(b, nu, nv);
+    return unite_blocks(b, nu, nv, block);
 }
 
 static void record_collapse(sph__builder *b, uint32_t u, uint32_t v, uint32_t w, bool forced)
@@ -123,49 +129,92 @@ static void record_collapse(sph__builder *b, uint32_t u, uint32_t v, uint32_t w,
     if (forced && h->first_forced == SPH__NO_NODE) h->first_forced = t;
 }
 
-static sph_status collapse(sph__builder *b, uint32_t u, uint32_t v, const sph__candidate *candidate, bool forced)
+/* Asks for what the edges of a new node will read, all before the first waits for it. */
+static void prefetch_around(const sph__builder *b, uint32_t node)
+{
+    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
+    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
+        const char *center = (const char *)sph__node_center(b, x);
+        __builtin_prefetch(sph__slot_of(b, x));
+        __builtin_prefetch(center);
+        __builtin_prefetch(center + 64);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        const sph__slot *slot = sph__slot_of(b, sph__edge_other(&b->mesh, edges[i], node));
+        sph__prefetch_widths(b, slot);
+        if (slot->block == NULL) continue;
+        for (size_t line = 0; line < 6; ++line) __builtin_prefetch((const char *)slot->block + 64 * line);
+    }
+}
+
+static sph_status collapse(sph__builder *b, uint32_t u, uint32_t v, const sph__candidate *candidate, bool forced,
+                           const sph__guess *guess)
 {
     const uint32_t w = b->n + b->h->collapse_count;
-    sph_status status = unite_regions(b, u, v, w, candidate);
+    sph_status status = unite_regions(b, u, v, w, candidate, guess);
     if (status == SPH_OK) status = sph__connectivity_collapse(&b->mesh, u, v, w);
     if (status != SPH_OK) return status;
     for (size_t i = 0; i < b->mesh.removed_count; ++i) {
         sph__heap_remove(&b->queue, b->mesh.removed[i]);
         sph__heap_remove(&b->refused, b->mesh.removed[i]);
     }
+    if (guess == NULL) prefetch_around(b, w);
     record_collapse(b, u, v, w, forced);
     status = sph__record_births(b, w);
     for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_edges, w) && status == SPH_OK; ++i) {
         const uint32_t e = sph__list_items(&b->mesh.node_edges, w)[i];
         if (b->candidates[e].refused) sph__heap_remove(&b->refused, e);
-        status = push(b, e);
+        status = push(b, e, w, guess);
     }
     for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_edges, w) && status == SPH_OK; ++i)
         status = readmit_around(b, sph__edge_other(&b->mesh, sph__list_items(&b->mesh.node_edges, w)[i], w));
     return status;
 }
 
+/* The exact cost of an edge that is on top of the queue. */
+static sph_status make_exact(sph__builder *b, uint32_t edge, double *cost)
+{
+    const sph__guess *guess = sph__guess_find(b, edge);
+    sph_status status;
+    uint32_t u, v;
+    if (guess != NULL) {
+        *cost = sph__guess_exact(guess, &b->candidates[edge]);
+        return SPH_OK;
+    }
+    status = need_ends(b, edge);
+    if (status != SPH_OK) return status;
+    if (!b->h->radii_per_frame) return sph__evaluate_exactly(b, &b->extents, edge, &b->candidates[edge], cost);
+    sph__edge_ends(b, edge, &u, &v);
+    status = sph__union_frame_widths(b, &b->extents, sph__slot_of(b, u), sph__slot_of(b, v), b->union_widths);
+    if (status != SPH_OK) return status;
+    b->candidates[edge].exact = 1;
+    b->exact_edge = edge;
+    *cost = sph__per_frame_cost(b, u, v, b->union_widths);
+    return SPH_OK;
+}
+
 /* Takes the cheapest edge whose cost is exact off the queue; with an empty queue the cheapest of those refused. */
 static sph_status next_edge(sph__builder *b, uint32_t *edge, double *cost, bool *forced)
 {
     for (;;) {
-        sph__candidate *candidate;
-        sph_status status;
+        sph_status status = SPH_OK;
         *forced = !sph__heap_top(&b->queue, edge);
         if (*forced) {
             sph__heap_pop(&b->refused, edge);
             return SPH_OK;
         }
-        candidate = &b->candidates[*edge];
+        if (sph__guess_find(b, *edge) == NULL) status = sph__guess_ahead(b);
+        if (status != SPH_OK) return status;
+        sph__heap_top(&b->queue, edge);
         *cost = sph__heap_key(&b->queue, *edge);
-        if (candidate->exact) {
+        if (b->candidates[*edge].exact) {
             sph__heap_pop(&b->queue, edge);
             return SPH_OK;
         }
-        status = need_ends(b, *edge);
-        if (status == SPH_OK) status = sph__evaluate_exactly(b, *edge, candidate, cost);
-        if (status != SPH_OK) return status;
-        status = sph__heap_set(&b->queue, *edge, *cost, sph__edge_tie(b, *edge));
+        status = make_exact(b, *edge, cost);
+        if (status == SPH_OK) status = sph__heap_set(&b->queue, *edge, *cost, sph__edge_tie(b, *edge));
         if (status != SPH_OK) return status;
     }
 }
@@ -174,14 +223,16 @@ static sph_status next_edge(sph__builder *b, uint32_t *edge, double *cost, bool 
 static sph_status make_sphere(sph__builder *b, uint32_t edge, uint32_t nu, uint32_t nv)
 {
     const sph__candidate *candidate = &b->candidates[edge];
-    const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
+    sph_status status = need_ends(b, edge);
+    if (status != SPH_OK) return status;
     if (!b->h->radii_per_frame) {
+        const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
         sph__kernel_centers(&u, &v, b->stride, b->coherence, candidate->lambda, (double)(float)candidate->radius,
                             b->new_center);
         return SPH_OK;
     }
     if (b->exact_edge != edge) {
-        const sph_status status = sph__union_frame_widths(b, &b->extents, sph__slot_of(b, nu), sph__slot_of(b, nv), b->union_widths);
+        status = sph__union_frame_widths(b, &b->extents, sph__slot_of(b, nu), sph__slot_of(b, nv), b->union_widths);
         if (status != SPH_OK) return status;
         b->exact_edge = edge;
     }
@@ -192,22 +243,24 @@ static sph_status make_sphere(sph__builder *b, uint32_t edge, uint32_t nu, uint3
 static sph_status step(sph__builder *b)
 {
     uint32_t edge = 0, u, v;
-    bool forced;
+    bool forced, inverts;
     double cost = 0;
-    sph_status status;
-    sph__candidate *candidate;
-    status = next_edge(b, &edge, &cost, &forced);
+    const sph__guess *guess;
+    sph_status status = next_edge(b, &edge, &cost, &forced);
     if (status != SPH_OK) return status;
-    candidate = &b->candidates[edge];
     sph__edge_ends(b, edge, &u, &v);
-    status = need_ends(b, edge);
-    if (status == SPH_OK) status = make_sphere(b, edge, u, v);
-    if (status != SPH_OK) return status;
-    if (!forced && (inverts_around(b, u, v) || inverts_around(b, v, u))) {
-        candidate->refused = 1;
+    guess = forced ? NULL : sph__guess_find(b, edge);
+    if (guess == NULL || !sph__guess_sphere(b, guess, &inverts)) {
+        guess = NULL;
+        status = make_sphere(b, edge, u, v);
+        if (status != SPH_OK) return status;
+        inverts = !forced && sph__inverts(b, u, v, b->new_center);
+    }
+    if (inverts) {
+        b->candidates[edge].refused = 1;
         return sph__heap_set(&b->refused, edge, cost, sph__edge_tie(b, edge));
     }
-    return collapse(b, u, v, candidate, forced);
+    return collapse(b, u, v, &b->candidates[edge], forced, guess);
 }
 
 sph_status sph__decimate(sph__builder *b)
@@ -217,10 +270,9 @@ sph_status sph__decimate(sph__builder *b)
     b->new_center = sph__zalloc(b->context, b->node_floats, sizeof(float));
     b->new_block = sph__alloc(b->context, SPH__BLOCK_ROWS, b->stride * sizeof(float));
     if (b->new_center == NULL || b->new_block == NULL) return sph__fail_memory(b->context);
-    status = sph__heap_reserve(&b->refused, b->mesh.edge_count);
-    if (status != SPH_OK) return status;
     sph__progress_part(&b->progress, 0.2);
     status = sph__fill_queue(b);
+    if (status == SPH_OK) status = sph__guesses_create(b);
     sph__progress_part(&b->progress, 0.6);
     /* As often for the same amount of memory that is passed: a host may have to look after it. */
     report_every = b->stride < 1024 ? (uint32_t)(1024 / b->stride) : 1;

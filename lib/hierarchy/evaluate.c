@@ -24,31 +24,21 @@ sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double r
     return (sph__minimum){.lambda = found.lambda, .radius = found.radius, .cost = cost > 0 ? cost : 0};
 }
 
-double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candidate)
+double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const sph__region *v, const sph__slot *su,
+                             const sph__slot *sv, sph__candidate *candidate)
 {
-    uint32_t nu, nv;
-    sph__region u, v;
     sph__sums sums;
     sph__minimum minimum;
-    double lower, upper;
-    sph__edge_ends(b, edge, &nu, &nv);
     *candidate = (sph__candidate){.exact = 1};
-    if (b->h->radii_per_frame) {
-        candidate->exact = 0;
-        return sph__per_frame_cost(b, nu, nv, NULL);
-    }
-    u = sph__region_of(b, nu);
-    v = sph__region_of(b, nv);
-    sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
+    sph__kernel_sums(u, v, b->frames, b->stride, b->coherence, &sums);
     if (b->options.radius_mode == SPH_RADIUS_ZERO) {
-        minimum = sph__sums_minimize(&sums, u.radius, 0);
+        minimum = sph__sums_minimize(&sums, u->radius, 0);
     } else {
-        const sph__slot *su = sph__slot_of(b, nu), *sv = sph__slot_of(b, nv);
-        lower = b->radius_factor * (su->width > sv->width ? su->width : sv->width);
-        minimum = sph__sums_minimize(&sums, u.radius, INFINITY);
+        const double lower = b->radius_factor * (su->width > sv->width ? su->width : sv->width);
+        minimum = sph__sums_minimize(&sums, u->radius, (double)INFINITY);
         if (minimum.radius > lower) {
-            upper = sph__union_width_bound(b, su, sv);
-            minimum = sph__sums_minimize(&sums, u.radius, b->radius_factor * upper);
+            const double upper = sph__union_width_bound(b, su, sv);
+            minimum = sph__sums_minimize(&sums, u->radius, b->radius_factor * upper);
             candidate->exact = b->probe_frames == b->frames; /* then the bound is the width */
             candidate->width = candidate->exact ? upper : 0;
         }
@@ -58,7 +48,22 @@ double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candi
     return minimum.cost;
 }
 
-sph_status sph__evaluate_exactly(sph__builder *b, uint32_t edge, sph__candidate *candidate, double *cost)
+double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candidate)
+{
+    uint32_t nu, nv;
+    sph__region u, v;
+    sph__edge_ends(b, edge, &nu, &nv);
+    if (b->h->radii_per_frame) {
+        *candidate = (sph__candidate){.exact = 0};
+        return sph__per_frame_cost(b, nu, nv, NULL);
+    }
+    u = sph__region_of(b, nu);
+    v = sph__region_of(b, nv);
+    return sph__evaluate_regions(b, &u, &v, sph__slot_of(b, nu), sph__slot_of(b, nv), candidate);
+}
+
+sph_status sph__evaluate_exactly(const sph__builder *b, sph__extents *extents, uint32_t edge, sph__candidate *candidate,
+                                 double *cost)
 {
     uint32_t nu, nv;
     sph__region u, v;
@@ -66,22 +71,36 @@ sph_status sph__evaluate_exactly(sph__builder *b, uint32_t edge, sph__candidate 
     sph__minimum minimum;
     sph_status status;
     sph__edge_ends(b, edge, &nu, &nv);
-    candidate->exact = 1;
-    if (b->h->radii_per_frame) {
-        status = sph__union_frame_widths(b, &b->extents, sph__slot_of(b, nu), sph__slot_of(b, nv), b->union_widths);
-        if (status != SPH_OK) return status;
-        b->exact_edge = edge;
-        *cost = sph__per_frame_cost(b, nu, nv, b->union_widths);
-        return SPH_OK;
-    }
     u = sph__region_of(b, nu);
     v = sph__region_of(b, nv);
     sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
-    status = sph__union_width(b, &b->extents, sph__slot_of(b, nu), sph__slot_of(b, nv), &candidate->width);
+    status = sph__union_width(b, extents, sph__slot_of(b, nu), sph__slot_of(b, nv), &candidate->width);
     if (status != SPH_OK) return status;
     minimum = sph__sums_minimize(&sums, u.radius, b->radius_factor * candidate->width);
+    candidate->exact = 1;
     candidate->lambda = minimum.lambda;
     candidate->radius = minimum.radius;
     *cost = minimum.cost;
     return SPH_OK;
+}
+
+/* Whether one of the surviving triangles of `node` turns over when the node moves to the new centre. */
+static bool inverts_around(const sph__builder *b, uint32_t node, uint32_t other, const float *center)
+{
+    const uint32_t *triangles = sph__list_items(&b->mesh.node_triangles, node);
+    const uint32_t count = sph__list_count(&b->mesh.node_triangles, node);
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t x[2];
+        sph__triangle_others(&b->mesh, triangles[i], node, x);
+        if (x[0] == other || x[1] == other) continue;
+        if (sph__kernel_inversion(sph__node_center(b, x[0]), sph__node_center(b, x[1]), sph__node_center(b, node),
+                                  center, b->stride) < 0)
+            return true;
+    }
+    return false;
+}
+
+bool sph__inverts(const sph__builder *b, uint32_t u, uint32_t v, const float *center)
+{
+    return inverts_around(b, u, v, center) || inverts_around(b, v, u, center);
 }

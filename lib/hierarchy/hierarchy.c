@@ -68,11 +68,13 @@ static sph_status allocate_hierarchy(sph__builder *b)
 
 /* What blocks and the centres of collapses may take, in sizes of the input, where leaves can do without blocks. */
 #define BLOCK_SHARE 2.0
+/* Blocks of leaves that are no larger than this, in bytes, are all kept: other things take more. */
+enum { SMALL_BLOCK = 1024 };
 
 static sph_status allocate_builder(sph__builder *b)
 {
     size_t block_size;
-    b->slots = sph__zalloc(b->context, b->n, sizeof *b->slots);
+    b->slots = sph__zalloc(b->context, b->n + (size_t)SPH__GUESS_SLOTS, sizeof *b->slots);
     b->slot_of = sph__alloc(b->context, 2 * (size_t)b->n - 1, sizeof *b->slot_of);
     b->next_member = sph__alloc(b->context, b->n, sizeof *b->next_member);
     b->leaf_rows = b->h->radii_per_frame ? SPH__BLOCK_ROWS : SPH__LEAF_ROWS;
@@ -81,6 +83,7 @@ static sph_status allocate_builder(sph__builder *b)
     sph__blocks_init(&b->blocks, &b->slabs, b->slots, block_size);
     sph__blocks_init(&b->leaf_blocks, &b->slabs, b->slots, b->leaf_rows * b->stride);
     b->block_budget = (size_t)((double)b->n * b->node_floats * sizeof(float) * BLOCK_SHARE);
+    if (b->leaf_rows * b->stride * sizeof(float) <= SMALL_BLOCK) b->block_budget = SIZE_MAX;
     sph__limit_leaves(b);
     sph__heap_init(&b->queue, b->animation->context);
     sph__heap_init(&b->refused, b->animation->context);
@@ -112,6 +115,7 @@ static void free_builder(sph__builder *b)
     sph__free(context, b->slots);
     sph__free(context, b->slot_of);
     sph__free(context, b->means);
+    sph__guesses_destroy(b);
     sph__connectivity_free(&b->mesh);
     sph__free(context, b->candidates);
     sph__heap_free(&b->queue);

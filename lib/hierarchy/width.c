@@ -61,6 +61,22 @@ double sph__union_width_bound(const sph__builder *b, const sph__slot *u, const s
     return least_probe(sph__probes_of(b, u), sph__probes_of(b, v), b->probe_count);
 }
 
+void sph__copy_widths(const sph__builder *b, sph__slot *to, const sph__slot *from)
+{
+    to->width = from->width;
+    if (b->probes == NULL)
+        memcpy(sph__probe_bounds_of(b, to), sph__probe_bounds_of(b, from), 2 * b->probe_count * sizeof(float));
+    else
+        memcpy(sph__probes_of(b, to), sph__probes_of(b, from), 2 * b->probe_count * sizeof(double));
+}
+
+void sph__prefetch_widths(const sph__builder *b, const sph__slot *slot)
+{
+    const char *row = b->probes == NULL ? (const char *)sph__probe_bounds_of(b, slot) : (const char *)sph__probes_of(b, slot);
+    const size_t size = 2 * b->probe_count * (b->probes == NULL ? sizeof(float) : sizeof(double));
+    for (size_t i = 0; i < size && i < 512; i += 64) __builtin_prefetch(row + i);
+}
+
 #define UNITE_INTERVALS(low, other, count) \
     for (size_t i = 0; i < (count); ++i) { \
         (low)[i] = (other)[i] < (low)[i] ? (other)[i] : (low)[i]; \
@@ -68,7 +84,7 @@ double sph__union_width_bound(const sph__builder *b, const sph__slot *u, const s
     }
 
 /* The united region's probes, into u's rows. */
-void sph__unite_widths(sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate)
+void sph__unite_widths(const sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate)
 {
     if (b->probes == NULL) {
         float *low = sph__probe_bounds_of(b, u);
@@ -183,9 +199,9 @@ sph_status sph__make_widths(sph__builder *b)
     b->direction_rows = sph__zalloc(b->context, 3, stride * sizeof *b->direction_rows);
     all = b->probe_frames == b->frames;
     if (all)
-        b->probes = sph__alloc(b->context, b->n, 2 * b->probe_count * sizeof *b->probes);
+        b->probes = sph__alloc(b->context, b->n + (size_t)SPH__GUESS_SLOTS, 2 * b->probe_count * sizeof *b->probes);
     else
-        b->probe_bounds = sph__alloc(b->context, b->n, 2 * b->probe_count * sizeof *b->probe_bounds);
+        b->probe_bounds = sph__alloc(b->context, b->n + (size_t)SPH__GUESS_SLOTS, 2 * b->probe_count * sizeof *b->probe_bounds);
     if (b->directions == NULL || b->direction_rows == NULL || (all ? b->probes == NULL : b->probe_bounds == NULL))
         return sph__fail_memory(b->context);
     sph__width_directions(b->direction_count, b->directions);

@@ -150,6 +150,44 @@ bool sph__heap_pop(sph__heap *heap, uint32_t *item)
     return sph__heap_remove(heap, heap->entries[0].item);
 }
 
+/* Makes `place` the i-th of a binary heap of places whose entries below i are in order. */
+static void lift_place(const sph__heap *heap, uint32_t *places, size_t i, uint32_t place)
+{
+    while (i > 0 && comes_before(&heap->entries[place], &heap->entries[places[(i - 1) / 2]])) {
+        places[i] = places[(i - 1) / 2];
+        i = (i - 1) / 2;
+    }
+    places[i] = place;
+}
+
+static void sink_place(const sph__heap *heap, uint32_t *places, size_t count, uint32_t place)
+{
+    size_t i = 0;
+    for (size_t child; (child = 2 * i + 1) < count; i = child) {
+        if (child + 1 < count && comes_before(&heap->entries[places[child + 1]], &heap->entries[places[child]])) ++child;
+        if (!comes_before(&heap->entries[places[child]], &heap->entries[place])) break;
+        places[i] = places[child];
+    }
+    places[i] = place;
+}
+
+size_t sph__heap_first(const sph__heap *heap, uint32_t *items, size_t most)
+{
+    uint32_t places[(ARITY - 1) * SPH__HEAP_FIRST + 1]; /* of the entries that may be next: their parents were found */
+    size_t open = heap->count > 0, found = 0;
+    if (most > SPH__HEAP_FIRST) most = SPH__HEAP_FIRST;
+    for (places[0] = 0; found < most && open > 0; ++found) {
+        const uint32_t best = places[0];
+        const size_t first = (size_t)best * ARITY + 1;
+        items[found] = heap->entries[best].item;
+        --open;
+        if (open > 0) sink_place(heap, places, open, places[open]);
+        for (size_t child = first; child < first + ARITY && child < heap->count; ++child)
+            lift_place(heap, places, open++, (uint32_t)child);
+    }
+    return found;
+}
+
 bool sph__heap_contains(const sph__heap *heap, uint32_t item)
 {
     return item < heap->place_capacity && heap->places[item] != SPH__HEAP_ABSENT;

@@ -46,6 +46,10 @@ bool sph__heap_top(const sph__heap *heap, uint32_t *item);
 /* The same, and removes it. */
 bool sph__heap_pop(sph__heap *heap, uint32_t *item);
 
+/* The first `most` items in their order, at most SPH__HEAP_FIRST; returns how many. */
+enum { SPH__HEAP_FIRST = 256 };
+size_t sph__heap_first(const sph__heap *heap, uint32_t *items, size_t most);
+
 bool sph__heap_contains(const sph__heap *heap, uint32_t item);
 /* NaN where `item` is not in the heap. */
 double sph__heap_key(const sph__heap *heap, uint32_t item);

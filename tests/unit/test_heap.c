@@ -92,6 +92,29 @@ static void check_against(const sph__heap *heap, const entry *entries)
     ck_assert_uint_eq(top, best != NULL ? best->item : 12345);
 }
 
+START_TEST(the_first_items_are_those_that_qsort_puts_first)
+{
+    static entry expected[ITEMS];
+    static uint32_t first[SPH__HEAP_FIRST + 1];
+    sph__heap heap;
+    sph__heap_init(&heap, context);
+    ck_assert_uint_eq(sph__heap_first(&heap, first, 5), 0);
+    for (uint32_t i = 0; i < ITEMS; ++i) {
+        expected[i] = random_entry(i);
+        ck_assert_int_eq(sph__heap_set(&heap, i, expected[i].key, expected[i].tie), SPH_OK);
+        if (i == 2) ck_assert_uint_eq(sph__heap_first(&heap, first, 5), 3);
+    }
+    qsort(expected, ITEMS, sizeof *expected, compare_entries);
+    for (size_t most = 0; most <= SPH__HEAP_FIRST; most += most < 8 ? 1 : 31) {
+        ck_assert_uint_eq(sph__heap_first(&heap, first, most), most);
+        for (size_t i = 0; i < most; ++i) ck_assert_uint_eq(first[i], expected[i].item);
+    }
+    ck_assert_uint_eq(sph__heap_first(&heap, first, ITEMS), SPH__HEAP_FIRST);
+    ck_assert_uint_eq(sph__heap_count(&heap), ITEMS);
+    sph__heap_free(&heap);
+}
+END_TEST
+
 START_TEST(any_mixture_of_operations_agrees_with_a_plain_array)
 {
     static entry entries[ITEMS];
@@ -222,6 +245,7 @@ int main(void)
     int failed;
     tcase_add_checked_fixture(tests, setup, teardown);
     tcase_add_test(tests, items_come_out_as_qsort_orders_them);
+    tcase_add_test(tests, the_first_items_are_those_that_qsort_puts_first);
     tcase_add_test(tests, any_mixture_of_operations_agrees_with_a_plain_array);
     tcase_add_test(tests, items_never_seen_are_absent_and_the_last_number_is_refused);
     tcase_add_loop_test(tests, every_allocation_may_fail, 0, 4);
