@@ -16,6 +16,7 @@ typedef struct fit_job {
     bool exact; /* rotations of the last sweep from scratch */
     double *sums; /* [BATCH][sums_size] */
     size_t sums_size;
+    const double *shared; /* the sums that do not depend on frames, where areas do not; else NULL */
 } fit_job;
 
 /* The rigid motion of least squares from the normal equations of one bone in one frame. */
@@ -102,8 +103,10 @@ static void fit_group(void *argument, size_t begin, size_t end)
     const fit_job *j = argument;
     for (size_t i = begin; i < end; ++i) {
         const uint32_t group = j->first + (uint32_t)i;
-        double *gram = j->sums + i * j->sums_size, *moments = gram + j->p->pair_count * 10 * SPH__SKIN_LANES;
-        sph__skin_kernel_gram(j->p, group, gram, moments);
+        double *moments = j->sums + i * j->sums_size, *own = moments + (size_t)j->p->bones * SPH__SKIN_POSE;
+        const double *gram = j->shared == NULL ? own : j->shared;
+        if (j->shared == NULL) sph__skin_kernel_gram(j->p, group, own);
+        sph__skin_kernel_moments(j->p, group, moments);
         for (uint32_t sweep = 0; sweep < j->sweeps; ++sweep)
             for (uint32_t bone = 0; bone < j->p->bones; ++bone) {
                 _Alignas(SPH__ALIGN) double product[SPH__SKIN_POSE];
@@ -146,10 +149,15 @@ sph_status sph__fit_poses(sph__problem *p, const sph_skin *skin, double minor, u
     uint8_t *marks = sph__alloc(p->context, p->bones, 1);
     sph_status status = marks == NULL ? sph__fail_memory(p->context) : SPH_OK;
     j.minor = marks;
-    j.sums_size = (p->pair_count * 10 + (size_t)p->bones * 12) * SPH__SKIN_LANES;
-    if (status == SPH_OK) j.sums = sph__alloc(p->context, BATCH * j.sums_size, sizeof *j.sums);
+    j.sums_size = ((p->uniform ? 0 : p->pair_count * 10) + (size_t)p->bones * 12) * SPH__SKIN_LANES;
+    if (status == SPH_OK)
+        j.sums = sph__alloc(p->context, BATCH * j.sums_size + p->pair_count * 10 * SPH__SKIN_LANES, sizeof *j.sums);
     if (status == SPH_OK && j.sums == NULL) status = sph__fail_memory(p->context);
     if (status == SPH_OK) status = find_minor(p, skin, minor, marks);
+    if (status == SPH_OK && p->uniform) { /* lanes behind the last frame have sums then, and moments of 0 */
+        sph__skin_kernel_gram(p, 0, j.sums + BATCH * j.sums_size);
+        j.shared = j.sums + BATCH * j.sums_size;
+    }
     for (; status == SPH_OK && j.first < p->groups; j.first += BATCH) {
         const uint32_t left = p->groups - j.first;
         sph__parallel_for(p->context, left < BATCH ? left : BATCH, 1, fit_group, &j);

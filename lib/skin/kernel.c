@@ -7,20 +7,42 @@ typedef sph__v8d v8d;
 
 
 
-SPH__CLONES static void add_gram(const sph__problem *p, uint32_t group, double *gram, double *moments)
+SPH__CLONES static void add_gram(const sph__problem *p, uint32_t group, double *gram)
 {
     for (size_t v = 0; v < p->n; ++v) {
-        const float *cell = sph__problem_data(p, group, v);
         const double *rest = p->rest + 3 * v, x = rest[0], y = rest[1], z = rest[2];
         const double products[10] = {x * x, x * y, x * z, x, y * y, y * z, y, z * z, z, 1};
         const uint32_t count = p->now.count[v], *places = p->now.places + v * p->limit;
         const double *weights = p->now.weights + v * p->limit;
         const sph__candidates *set = &p->sets[p->set[v]];
+        const v8d area = sph__load(sph__problem_data(p, group, v), 24);
+        for (uint32_t a = 0; a < count; ++a)
+            for (uint32_t b = 0; b <= a; ++b) {
+                v8d *sums = (v8d *)(gram + (size_t)sph__candidate_pair(set, places[a], places[b]) * 80);
+                const v8d both = area * (weights[a] * weights[b]);
+                for (int q = 0; q < 10; ++q)
+                    sums[q] += both * products[q];
+            }
+    }
+}
+
+void sph__skin_kernel_gram(const sph__problem *p, uint32_t group, double *gram)
+{
+    memset(gram, 0, p->pair_count * 80 * sizeof *gram);
+    add_gram(p, group, gram);
+}
+
+SPH__CLONES static void add_moments(const sph__problem *p, uint32_t group, double *moments)
+{
+    for (size_t v = 0; v < p->n; ++v) {
+        const float *cell = sph__problem_data(p, group, v);
+        const double x = p->rest[3 * v], y = p->rest[3 * v + 1], z = p->rest[3 * v + 2];
+        const sph__candidates *set = &p->sets[p->set[v]];
         const v8d area = sph__load(cell, 24);
         const v8d moved[3] = {sph__load(cell, 0) * area, sph__load(cell, 8) * area, sph__load(cell, 16) * area};
-        for (uint32_t a = 0; a < count; ++a) {
-            const double w = weights[a];
-            v8d *into = (v8d *)(moments + (size_t)set->bones[places[a]] * SPH__SKIN_POSE);
+        for (uint32_t a = 0; a < p->now.count[v]; ++a) {
+            const double w = p->now.weights[v * p->limit + a];
+            v8d *into = (v8d *)(moments + (size_t)set->bones[p->now.places[v * p->limit + a]] * SPH__SKIN_POSE);
             for (int r = 0; r < 3; ++r) {
                 const v8d q = moved[r] * w;
                 into[4 * r] += q * x;
@@ -28,21 +50,14 @@ SPH__CLONES static void add_gram(const sph__problem *p, uint32_t group, double *
                 into[4 * r + 2] += q * z;
                 into[4 * r + 3] += q;
             }
-            for (uint32_t b = 0; b <= a; ++b) {
-                v8d *sums = (v8d *)(gram + (size_t)sph__candidate_pair(set, places[a], places[b]) * 80);
-                const v8d both = area * (w * weights[b]);
-                for (int q = 0; q < 10; ++q)
-                    sums[q] += both * products[q];
-            }
         }
     }
 }
 
-void sph__skin_kernel_gram(const sph__problem *p, uint32_t group, double *gram, double *moments)
+void sph__skin_kernel_moments(const sph__problem *p, uint32_t group, double *moments)
 {
-    memset(gram, 0, p->pair_count * 80 * sizeof *gram);
     memset(moments, 0, (size_t)p->bones * SPH__SKIN_POSE * sizeof *moments);
-    add_gram(p, group, gram, moments);
+    add_moments(p, group, moments);
 }
 
 SPH__CLONES static void subtract_others(const sph__problem *p, uint32_t group, uint32_t bone, const double *gram,

@@ -6,10 +6,13 @@
 #include "skin/problem.h"
 
 /*
- * Sums of one group of frames over all vertices. gram: [pair_count][10][8], for a pair of bones a b
- * sum area w_a w_b (p,1)(p,1)' (upper triangle by rows); moments: [bones][12][8], sum area w_a v (p,1)'.
+ * Sums of one group of frames over all vertices: [pair_count][10][8], for a pair of bones a b
+ * sum area w_a w_b (p,1)(p,1)' (upper triangle by rows).
  */
-void sph__skin_kernel_gram(const sph__problem *p, uint32_t group, double *gram, double *moments);
+void sph__skin_kernel_gram(const sph__problem *p, uint32_t group, double *gram);
+
+/* The same of sum area w_a v (p,1)': [bones][12][8]. */
+void sph__skin_kernel_moments(const sph__problem *p, uint32_t group, double *moments);
 
 /*
  * One pass over the bones of a group: product[12][8] = moments of `bone` less what the other bones account for:

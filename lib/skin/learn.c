@@ -29,7 +29,7 @@ typedef struct learn_job {
 /* One vertex' program. */
 typedef struct program {
     uint32_t count;
-    double energy[M * M], matrix[M * M], linear[M]; /* rows of `count` numbers */
+    double energy[M * M], matrix[M * M], linear[M]; /* rows of `count` numbers; energy: where changes are told */
     double constant;                                /* of the goal */
     double before[M], w[M], kept[M];
     sph__simplex_qp_room room;
@@ -45,8 +45,8 @@ static void fill_matrices(const learn_job *j, size_t v, const double *lanes, pro
         for (uint32_t b = 0; b <= a; ++b, lanes += SPH__SKIN_LANES) {
             const double sum =
                 ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) + ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
-            q->energy[a * count + b] = q->energy[b * count + a] = sum;
             q->matrix[a * count + b] = q->matrix[b * count + a] = share * sum;
+            if (j->changes != NULL) q->energy[a * count + b] = q->energy[b * count + a] = sum;
             if (sum > most) most = sum;
         }
     /* Where the frames do not tell weights apart, those before stay. */

@@ -310,7 +310,8 @@ sph_status sph__problem_init(sph__problem *p, const sph__problem_input *in, sph_
                         .bones = in->bones,
                         .frames = in->frames,
                         .groups = (in->frames + SPH__SKIN_LANES - 1) / SPH__SKIN_LANES,
-                        .limit = in->limit};
+                        .limit = in->limit,
+                        .uniform = in->uniform};
     status = allocate(p);
     if (status == SPH_OK) status = make_sets(p, in);
     if (status == SPH_OK) status = make_pairs(p);

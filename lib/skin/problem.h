@@ -43,6 +43,7 @@ typedef struct sph__problem {
     uint32_t n, bones, frames, groups, limit;
     double origin[3];
     double diagonal; /* of the bounding box, mean over frames */
+    bool uniform;        /* all areas are 1 */
     float *data;         /* [groups][n][4][8] */
     double *rest;        /* [n][3] */
     double *total;       /* [n]: area summed over frames */
