@@ -11,7 +11,7 @@ enum { BATCH = 16 /* groups whose sums are held at once */, ENERGY_BLOCK = 256, 
 typedef struct fit_job {
     sph__problem *p;
     const sph_skin *skin;
-    const uint8_t *minor; /* [bones] */
+    const uint8_t *minor; /* [bones]: 1, and 2 where a bone that is not is near */
     uint32_t first, sweeps;
     bool exact; /* rotations of the last sweep from scratch */
     double *sums; /* [BATCH][sums_size] */
@@ -48,8 +48,8 @@ static void solve_lane(const double *gram, const double *product, bool exact, do
     }
 }
 
-/* The mean pose of the bones that `bone` is linked to: of rotations by their quaternions, of where they take the pivot. */
-static void average_lane(const fit_job *j, uint32_t group, uint32_t bone, bool of_minor, int lane)
+/* The mean pose of the bones that `bone` is linked to and that are not minor: of rotations by their quaternions, of where they take the pivot. */
+static void average_lane(const fit_job *j, uint32_t group, uint32_t bone, int lane)
 {
     enum { L = SPH__SKIN_LANES };
     double form[16] = {0}, values[4], vectors[16], place[3] = {0}, r[9], pivot[3];
@@ -61,7 +61,7 @@ static void average_lane(const fit_job *j, uint32_t group, uint32_t bone, bool o
         const uint32_t other = j->skin->links[i ^ 1];
         const double *from;
         double q[4];
-        if (j->skin->links[i] != bone || (j->minor[other] && !of_minor)) continue;
+        if (j->skin->links[i] != bone || j->minor[other]) continue;
         from = sph__problem_pose(j->p, group, other);
         for (int a = 0; a < 3; ++a) {
             place[a] += from[(4 * a + 3) * L + lane];
@@ -91,11 +91,8 @@ static void average_lane(const fit_job *j, uint32_t group, uint32_t bone, bool o
 
 static void average(const fit_job *j, uint32_t group, uint32_t bone)
 {
-    bool of_minor = true;
-    for (size_t i = 0; i < 2 * j->skin->link_count; ++i)
-        if (j->skin->links[i] == bone && !j->minor[j->skin->links[i ^ 1]]) of_minor = false;
     for (int lane = 0; lane < SPH__SKIN_LANES; ++lane)
-        average_lane(j, group, bone, of_minor, lane);
+        average_lane(j, group, bone, lane);
 }
 
 static void fit_group(void *argument, size_t begin, size_t end)
@@ -111,7 +108,7 @@ static void fit_group(void *argument, size_t begin, size_t end)
             for (uint32_t bone = 0; bone < j->p->bones; ++bone) {
                 _Alignas(SPH__ALIGN) double product[SPH__SKIN_POSE];
                 if (j->p->still[bone]) continue;
-                if (j->minor[bone]) {
+                if (j->minor[bone] == 2) {
                     average(j, group, bone);
                     continue;
                 }
@@ -123,7 +120,10 @@ static void fit_group(void *argument, size_t begin, size_t end)
     }
 }
 
-/* Which bones are minor: `marks` has a byte for each. */
+/*
+ * Which bones are minor: `marks` has a byte for each. Those with none but minor ones around have nobody to be like; they
+ * are fitted as any other.
+ */
 static sph_status find_minor(const sph__problem *p, const sph_skin *skin, double threshold, uint8_t *marks)
 {
     double *squares = sph__zalloc(p->context, p->bones, sizeof *squares);
@@ -133,12 +133,10 @@ static sph_status find_minor(const sph__problem *p, const sph_skin *skin, double
             const double w = p->now.weights[v * p->limit + s];
             squares[p->sets[p->set[v]].bones[p->now.places[v * p->limit + s]]] += w * w;
         }
-    memset(marks, 0, p->bones);
-    for (size_t i = 0; i < 2 * skin->link_count; ++i) { /* bones without a link have nobody to be like */
-        const uint32_t bone = skin->links[i];
-        if (marks[bone] || p->still[bone] || !(squares[bone] < threshold || squares[bone] == 0)) continue;
-        marks[bone] = 1;
-    }
+    for (uint32_t b = 0; b < p->bones; ++b)
+        marks[b] = !p->still[b] && (squares[b] < threshold || squares[b] == 0);
+    for (size_t i = 0; i < 2 * skin->link_count; ++i)
+        if (marks[skin->links[i]] != 0 && marks[skin->links[i ^ 1]] == 0) marks[skin->links[i]] = 2;
     sph__free(p->context, squares);
     return SPH_OK;
 }
