@@ -104,12 +104,23 @@ sph_status sph__skin_start_weights(sph__skin_job *j)
     return status;
 }
 
+static void follow_cell(sph__problem *p, size_t v)
+{
+    const sph__candidates *set = &p->sets[p->set[v]];
+    for (uint32_t place = 0; place < set->count; ++place)
+        if (set->bones[place] == p->set[v]) p->now.places[v * p->limit] = place;
+    p->now.weights[v * p->limit] = 1;
+    p->now.count[v] = 1;
+}
+
+/* Of more bones within reach than a vertex may have candidates some are lost: the others share what they had. */
 void sph__skin_load_weights(sph__problem *p, const sph_skin *skin)
 {
     const uint32_t k = skin->influence_count;
     for (size_t v = 0; v < p->n; ++v) {
         const sph__candidates *set = &p->sets[p->set[v]];
         const size_t from = (size_t)p->vertex[v] * k;
+        double sum = 0;
         p->now.count[v] = 0;
         for (uint32_t s = 0; s < k && skin->weights[from + s] > 0; ++s)
             for (uint32_t place = 0; place < set->count; ++place) {
@@ -117,24 +128,16 @@ void sph__skin_load_weights(sph__problem *p, const sph_skin *skin)
                 if (set->bones[place] != skin->bones[from + s]) continue;
                 p->now.places[to] = place;
                 p->now.weights[to] = (double)skin->weights[from + s];
+                sum += p->now.weights[to];
                 ++p->now.count[v];
             }
+        if (sum == 0) follow_cell(p, v);
+        for (uint32_t s = 0; s < p->now.count[v] && sum > 0 && sum < 1; ++s)
+            p->now.weights[v * p->limit + s] /= sum;
     }
 }
 
 /* --- poses --- */
-
-/* The influences in which every vertex follows the bone of its cell alone. */
-static void follow_cells(sph__problem *p)
-{
-    for (size_t v = 0; v < p->n; ++v) {
-        const sph__candidates *set = &p->sets[p->set[v]];
-        for (uint32_t place = 0; place < set->count; ++place)
-            if (set->bones[place] == p->set[v]) p->now.places[v * p->limit] = place;
-        p->now.weights[v * p->limit] = 1;
-        p->now.count[v] = 1;
-    }
-}
 
 static void load_poses(sph__problem *p, const double *transforms)
 {
@@ -161,6 +164,7 @@ sph_status sph__skin_start_poses(sph__skin_job *j)
             p->still[b] = j->options.locked_bones[b] != 0;
         return SPH_OK;
     }
-    follow_cells(p);
+    for (size_t v = 0; v < p->n; ++v) /* every vertex the bone of its cell alone */
+        follow_cell(p, v);
     return sph__fit_poses(p, j->skin, 0, 1, true);
 }

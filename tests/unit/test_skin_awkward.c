@@ -58,6 +58,31 @@ START_TEST(every_kind_of_input_gives_a_skin_at_every_kind_of_level)
 }
 END_TEST
 
+START_TEST(of_more_bones_within_reach_than_can_be_weighed_the_nearest_are)
+{
+    sph_context *context = test_context_with_threads(1);
+    sph_animation *animation = test_sphere(context, 2, 5);
+    const sph_skin_source source = {animation, NULL, 0};
+    sph_hierarchy *hierarchy = NULL;
+    sph_level *level = NULL;
+    sph_skin *skin = NULL;
+    sph_skin_options o;
+    sph_skin_options_init(&o, sizeof o);
+    o.mode = _i;
+    o.rings = 50; /* all 90 */
+    o.round_limit = 3;
+    ck_assert_int_eq(sph_hierarchy_create(animation, NULL, &hierarchy), SPH_OK);
+    ck_assert_int_eq(sph_level_create(hierarchy, 90, &level), SPH_OK);
+    ck_assert_int_eq(sph_skin_create(level, &source, 1, &o, &skin), SPH_OK);
+    check_skin(skin, "sphere");
+    sph_skin_destroy(skin);
+    sph_level_destroy(level);
+    sph_hierarchy_destroy(hierarchy);
+    sph_animation_destroy(animation);
+    sph_context_destroy(context);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("skin_awkward");
@@ -65,6 +90,7 @@ int main(void)
     SRunner *runner;
     int failed;
     tcase_add_loop_test(tc, every_kind_of_input_gives_a_skin_at_every_kind_of_level, 0, 3);
+    tcase_add_loop_test(tc, of_more_bones_within_reach_than_can_be_weighed_the_nearest_are, 0, 3);
     suite_add_tcase(suite, tc);
     runner = srunner_create(suite);
     srunner_run_all(runner, CK_ENV);
