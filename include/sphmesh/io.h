@@ -10,6 +10,7 @@
 #ifndef SPHMESH_IO_H
 #define SPHMESH_IO_H
 
+#include "io_rig.h"
 #include "sphmesh.h"
 
 #include "spill.h"

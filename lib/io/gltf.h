@@ -247,8 +247,15 @@ sph_status sph__gltf_choose_clips(sph__gltf_document *d, sph__io_gltf *g, const 
 /* `out`: as many as the channel is wide. */
 void sph__gltf_sample(const sph__gltf_channel *c, double time, double *out);
 
+/* A document's scene, mesh and chosen clips; close what is there after failure too. As sph__io_gltf_open(). */
+sph_status sph__gltf_open_scene(sph__gltf_document *d, double fps, const char *clip, sph__io_mesh *mesh,
+                                sph__io_gltf **out);
 /* Sets all nodes, bones and weights for a time of a run; NULL: at rest. */
 void sph__gltf_pose(sph__io_gltf *g, const sph__gltf_run *run, double time);
+/* The same for a frame, counted over all runs. */
+void sph__gltf_pose_frame(sph__io_gltf *g, uint32_t frame);
+/* Positions with the morph targets of the pose added, before bones move them; they belong to the scene. */
+const float *sph__gltf_morph(sph__io_gltf *g);
 /* The vertices of the pose. */
 void sph__gltf_skin(sph__io_gltf *g, float *xyz);
 

@@ -67,6 +67,18 @@ static sph_status read_scene(sph__gltf_document *d, sph__io_gltf *g, sph__io_mes
     return status;
 }
 
+sph_status sph__gltf_open_scene(sph__gltf_document *d, double fps, const char *clip, sph__io_mesh *mesh,
+                                sph__io_gltf **out)
+{
+    sph_status status = create(d, out);
+    if (status == SPH_OK) status = read_scene(d, *out, mesh);
+    if (status == SPH_OK) {
+        (*out)->fps = fps;
+        status = sph__gltf_read_clips(d, *out);
+    }
+    return status == SPH_OK ? sph__gltf_choose_clips(d, *out, clip) : status;
+}
+
 sph_status sph__io_gltf_open(const char *path, const sph__io_map *map, double fps, const char *clip, sph__io_mesh *mesh,
                              sph__io_gltf **out)
 {
@@ -74,12 +86,7 @@ sph_status sph__io_gltf_open(const char *path, const sph__io_map *map, double fp
     sph_status status = sph__gltf_document_open(mesh->context, path, map, &d);
     *out = NULL;
     if (status != SPH_OK) return status;
-    if ((status = create(&d, out)) == SPH_OK) status = read_scene(&d, *out, mesh);
-    if (status == SPH_OK) {
-        (*out)->fps = fps;
-        status = sph__gltf_read_clips(&d, *out);
-    }
-    if (status == SPH_OK) status = sph__gltf_choose_clips(&d, *out, clip);
+    status = sph__gltf_open_scene(&d, fps, clip, mesh, out);
     sph__gltf_document_close(&d);
     if (status == SPH_OK) return SPH_OK;
     sph__io_gltf_close(*out);
@@ -92,7 +99,7 @@ uint32_t sph__io_gltf_frame_count(const sph__io_gltf *g)
     return g->frame_count;
 }
 
-void sph__io_gltf_read(sph__io_gltf *g, uint32_t frame, float *xyz)
+void sph__gltf_pose_frame(sph__io_gltf *g, uint32_t frame)
 {
     uint32_t i = 0;
     if (g->run_count == 0) {
@@ -103,6 +110,11 @@ void sph__io_gltf_read(sph__io_gltf *g, uint32_t frame, float *xyz)
         sph__gltf_pose(g, &g->runs[i],
                        fmin((frame - g->runs[i].first_frame) / g->fps, g->clips[g->runs[i].clip].duration));
     }
+}
+
+void sph__io_gltf_read(sph__io_gltf *g, uint32_t frame, float *xyz)
+{
+    sph__gltf_pose_frame(g, frame);
     sph__gltf_skin(g, xyz);
 }
 

@@ -59,8 +59,7 @@ void sph__gltf_pose(sph__io_gltf *g, const sph__gltf_run *run, double time)
         g->palette[i] = multiply(&g->globals[g->bones[i].node], &g->bones[i].bind);
 }
 
-/* Positions with the morph targets of the pose added, target by target. */
-static const float *morph(sph__io_gltf *g)
+const float *sph__gltf_morph(sph__io_gltf *g)
 {
     if (g->target_count == 0) return g->positions;
     memcpy(g->morphed, g->positions, 3 * sizeof(float) * g->vertex_count);
@@ -115,6 +114,6 @@ static void skin_vertices(void *argument, size_t begin, size_t end)
 
 void sph__gltf_skin(sph__io_gltf *g, float *xyz)
 {
-    skinning s = {g, morph(g), xyz};
+    skinning s = {g, sph__gltf_morph(g), xyz};
     sph_context_parallel_for(g->context, g->vertex_count, VERTEX_BLOCK, skin_vertices, &s);
 }

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+/* A rig that was read, laid open. */
+#ifndef SPH_IO_RIG_OPEN_H
+#define SPH_IO_RIG_OPEN_H
+
+#include "io/io.h"
+
+struct sph_io_rig {
+    sph_context *context; /* the skin keeps it alive, until the rig is destroyed */
+    sph_skin *skin;
+    uint32_t bone_count, frame_count, name_count;
+    uint32_t morphs;
+    char **node_names;  /* [name_count], by node; NULL: not a bone */
+    const char **names; /* [J] */
+    uint32_t *nodes, *parents;
+    double *inverse_bind, *joints_rest, *joints;
+    size_t edge_count;
+    uint32_t *edges;
+};
+
+/* Checks a caller's options; frames per second become those that are meant. */
+sph_status sph__io_rig_read_options(sph_context *context, const sph_io_open_rig_options *in,
+                                    sph_io_open_rig_options *o);
+
+#endif
