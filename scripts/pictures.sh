@@ -10,9 +10,10 @@ if [ ! -f "$build/build.ninja" ]; then
     scripts/setup.sh --demo
     meson setup "$build"
 fi
-ninja -C "$build" src/sphmesh examples/particles >/dev/null
+ninja -C "$build" src/sphmesh examples/particles examples/new_pose >/dev/null
 program=$PWD/$build/src/sphmesh
 particles=$PWD/$build/examples/particles
+new_pose=$PWD/$build/examples/new_pose
 docs=$PWD/docs
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -38,3 +39,7 @@ for name in creature creature-qem; do
     "$program" level $name.sphm --spheres 16 -o $name.json --quiet
 done
 "$particles" creature.json creature-qem.json "${creature[0]}" creature.pc2 "$docs/particles.png"
+
+# a pose that the animation does not have, made by moving spheres
+"$new_pose" creature.obj creature.pc2 posed.obj posed.json
+render posed.obj posed.json --size 300x240 -o "$docs/new_pose.png"

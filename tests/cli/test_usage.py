@@ -10,6 +10,7 @@ from support import PROGRAM, Case, main, run
 COMMANDS = ["build", "info", "level", "measure", "convert", "surface", "cast", "export", "demo"]
 if run("help", "render").returncode == 0:  # not where the program was built without libpng
     COMMANDS.append("render")
+COMMANDS.append("pose")
 
 
 class Help(Case):

@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: MIT */
+/* sphmesh pose: the vertices of a rig in the poses of its clips. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "program.h"
+#include "report.h"
+#include "session.h"
+
+static const char HELP[] = "Poses a rigged mesh: the vertices of a skinned glTF in the frames of its clips.\n"
+                           "\n"
+                           "usage: sphmesh pose RIG -o OUT [OPTION]...\n"
+                           "\n"
+                           "RIG is a .glb or .gltf, of 'sphmesh skin' or of anybody.\n"
+                           "\n"
+                           "  -o, --output OUT            OUT.pc2, OUT.mdd: the frames, and OUT.obj;\n"
+                           "                              OUT.obj, OUT.ply: one frame, with normals\n"
+                           "      --method M              lbs: linear blend skinning, as engines have it;\n"
+                           "                              dqs: dual quaternions, which keep the volume\n"
+                           "                              where joints twist (lbs)\n"
+                           "      --clip NAME             one animation of the file; else all in a row\n"
+                           "      --fps N                 frames per second (30)\n"
+                           "      --frames A:B:STEP       frames A, A+STEP, ... below B only (from 0)\n"
+                           "      --frame F               the frame of an .obj or .ply; 0 is the first (0)\n"
+                           "      --json                  figures as JSON on stdout\n"
+                           "      --progress HOW          auto, bar, plain, json or none, on stderr (auto)\n"
+                           "      --threads N             threads; 0: one per processor (0)\n"
+                           "  -q, --quiet; -h, --help\n"
+                           "\n"
+                           "Vertices along seams stay apart, as the file has them. Morph targets stay at\n"
+                           "rest. A rig without clips has one frame, its pose at rest.\n"
+                           "\n"
+                           "examples:\n"
+                           "  sphmesh pose fox.glb --clip Run --method dqs -o run.pc2\n"
+                           "  sphmesh pose fox.glb --clip Run --frame 12 -o fox-12.obj\n";
+
+static const char *const method_choices[] = {"lbs", "dqs", NULL};
+
+typedef struct pose_options {
+    common_options common;
+    frame_range frames;
+    const char *output, *clip;
+    double fps;
+    uint32_t frame;
+    int method;
+    bool single, mdd;
+    char *mesh, *cache; /* what is written; free(); `cache` NULL: only the mesh */
+} pose_options;
+
+/* The output's name with another ending, which is as long. */
+static char *with_ending(const char *name, const char *ending)
+{
+    char *copy = strdup(name);
+    if (copy != NULL) memcpy(copy + strlen(name) - strlen(ending), ending, strlen(ending));
+    return copy;
+}
+
+static int name_outputs(pose_options *o)
+{
+    o->mdd = name_ends(o->output, ".mdd");
+    o->single = name_ends(o->output, ".obj") || name_ends(o->output, ".ply");
+    if (!o->single && !o->mdd && !name_ends(o->output, ".pc2"))
+        return usage_error("pose", "-o: '%s' does not end in .pc2, .mdd, .obj or .ply", o->output);
+    if (o->single && o->frames.given)
+        return usage_error("pose", "--frames: an .obj or .ply has one, which is --frame; .pc2 and .mdd have many");
+    if (!o->single && o->frame != UINT32_MAX)
+        return usage_error("pose", "--frame: of an .obj or .ply; for a .pc2 or .mdd it is --frames");
+    o->mesh = o->single ? strdup(o->output) : with_ending(o->output, ".obj");
+    o->cache = o->single ? NULL : strdup(o->output);
+    return o->mesh == NULL || (!o->single && o->cache == NULL) ? failure("out of memory") : DONE;
+}
+
+static int parse(pose_options *o, int argc, char **argv, arguments *paths)
+{
+    const option table[] = {{"output", 'o', OPTION_TEXT, &o->output, 0, 0, NULL},
+                            {"method", 0, OPTION_CHOICE, &o->method, 0, 0, method_choices},
+                            {"clip", 0, OPTION_TEXT, &o->clip, 0, 0, NULL},
+                            {"fps", 0, OPTION_NUMBER, &o->fps, 1e-3, 1e6, NULL},
+                            {"frames", 0, OPTION_FRAMES, &o->frames, 0, 0, NULL},
+                            {"frame", 0, OPTION_COUNT, &o->frame, 0, INT32_MAX, NULL},
+                            COMMON_OPTIONS(o->common)};
+    int result;
+    *o = (pose_options){.frames = {.step = 1}, .frame = UINT32_MAX};
+    result = options_parse("pose", table, argc, argv, paths);
+    if (result != DONE || o->common.help) return result;
+    if (paths->count != 1) return usage_error("pose", "one rig is needed, not %zu", paths->count);
+    if (!name_ends(paths->items[0], ".glb") && !name_ends(paths->items[0], ".gltf"))
+        return usage_error("pose", "'%s' does not end in .glb or .gltf", paths->items[0]);
+    if (o->output == NULL) return usage_error("pose", "-o is missing: where should the mesh go?");
+    return name_outputs(o);
+}
+
+/* A rig, and what moves it. */
+typedef struct posing {
+    sph_io_rig *rig;
+    sph_io_rig_arrays parts;
+    sph_skin_arrays skin;
+    sph_deformer *deformer;
+    int32_t method;
+} posing;
+
+static sph_status open_rig(session *s, const pose_options *o, const char *path, posing *p)
+{
+    sph_io_open_rig_options options;
+    sph_status status;
+    sph_io_open_rig_options_init(&options, sizeof options);
+    options.clip = o->clip;
+    options.fps = o->fps;
+    options.first_frame = o->frames.first;
+    options.end_frame = o->frames.end;
+    options.frame_step = o->frames.step;
+    if (o->single) {
+        options.first_frame = o->frame == UINT32_MAX ? 0 : o->frame;
+        options.end_frame = options.first_frame + 1;
+    }
+    p->parts.struct_size = sizeof p->parts;
+    p->skin.struct_size = sizeof p->skin;
+    p->method = o->method;
+    status = sph_io_open_rig(s->context, path, &options, &p->rig);
+    if (status == SPH_OK) status = sph_io_rig_get_arrays(p->rig, &p->parts);
+    if (status == SPH_OK) status = sph_skin_get_arrays(sph_io_rig_skin(p->rig), &p->skin);
+    return status == SPH_OK ? sph_deformer_create(sph_io_rig_skin(p->rig), NULL, &p->deformer) : status;
+}
+
+/* A frame, as it is written. */
+static sph_status read_frame(void *user, uint32_t frame, float *xyz)
+{
+    const posing *p = user;
+    return sph_deformer_pose(p->deformer, p->skin.transforms + (size_t)12 * p->skin.bone_count * frame, 1, p->method,
+                             xyz, NULL);
+}
+
+static sph_status save_frames(session *s, const pose_options *o, posing *p)
+{
+    const sph_frame_source source = {p, read_frame, NULL};
+    const double fps = p->skin.clip_count > 0 ? p->skin.clips[0].frames_per_second : 30;
+    sph_animation *animation = NULL;
+    sph_status status =
+        sph_animation_create_from_source(s->context, p->skin.vertex_count, p->skin.frame_count, &source, &animation);
+    if (status == SPH_OK) status = sph_animation_set_triangles(animation, p->skin.triangles, p->skin.triangle_count, 0);
+    if (status == SPH_OK) status = sph_animation_set_edges(animation, p->parts.edges, p->parts.edge_count, 0);
+    if (status == SPH_OK)
+        status = o->mdd ? sph_io_save_obj_mdd(s->context, animation, 0, fps, o->mesh, o->cache)
+                        : sph_io_save_obj_pc2(s->context, animation, 0, 1, o->mesh, o->cache);
+    sph_animation_destroy(animation);
+    return status;
+}
+
+static sph_status save_frame(session *s, const pose_options *o, const posing *p)
+{
+    const size_t n = p->skin.vertex_count;
+    float *xyz = sph_context_allocate(s->context, n, 6 * sizeof *xyz), *normals = xyz == NULL ? NULL : xyz + 3 * n;
+    sph_status status = xyz == NULL ? sph_context_fail(s->context, SPH_E_NOMEM, "out of memory") : SPH_OK;
+    if (p->skin.triangle_count == 0) normals = NULL;
+    if (status == SPH_OK) status = sph_deformer_pose(p->deformer, p->skin.transforms, 1, p->method, xyz, normals);
+    if (status == SPH_OK)
+        status = sph_io_save_mesh(s->context, p->skin.vertex_count, xyz, normals, p->skin.triangle_count,
+                                  p->skin.triangles, o->mesh);
+    sph_context_release(s->context, xyz);
+    return status;
+}
+
+/* Bones of the vertex that has most. */
+static uint32_t most_influences(const sph_skin_arrays *a)
+{
+    uint32_t most = 1;
+    for (size_t i = 0; i < (size_t)a->vertex_count * a->influence_count; ++i)
+        if (a->weights[i] > 0 && i % a->influence_count >= most) most = (uint32_t)(i % a->influence_count) + 1;
+    return most;
+}
+
+static void print_json(const pose_options *o, const posing *p)
+{
+    const sph_skin_arrays *a = &p->skin;
+    json j;
+    json_start(&j, stdout, false);
+    json_open(&j, NULL, '{');
+    json_text(&j, "mesh", o->mesh);
+    if (o->cache != NULL) json_text(&j, "cache", o->cache);
+    json_text(&j, "method", method_choices[o->method]);
+    json_integer(&j, "vertices", a->vertex_count);
+    json_integer(&j, "triangles", a->triangle_count);
+    json_integer(&j, "frames", a->frame_count);
+    json_integer(&j, "bones", a->bone_count);
+    json_integer(&j, "influences", most_influences(a));
+    json_open(&j, "clips", '[');
+    for (uint32_t c = 0; c < a->clip_count; ++c) {
+        json_open(&j, NULL, '{');
+        json_text(&j, "name", a->clips[c].name);
+        json_integer(&j, "first_frame", a->clips[c].first_frame);
+        json_integer(&j, "frames", a->clips[c].frame_count);
+        json_close(&j, '}');
+    }
+    json_close(&j, ']');
+    json_boolean(&j, "moves_morph_targets", p->parts.morphs != 0);
+    json_integer(&j, "bytes", file_size(o->mesh) + (o->cache == NULL ? 0 : file_size(o->cache)));
+    json_integer(&j, "peak_rss_bytes", peak_memory());
+    json_close(&j, '}');
+    json_finish(&j);
+}
+
+static void print_text(const pose_options *o, const posing *p)
+{
+    const sph_skin_arrays *a = &p->skin;
+    printf("rig:        %s vertices, %s triangles, %s bones, %s influences per vertex at most\n",
+           count_text(a->vertex_count), count_text(a->triangle_count), count_text(a->bone_count),
+           count_text(most_influences(a)));
+    printf("posed:      %s frames by %s\n", count_text(a->frame_count),
+           o->method == SPH_POSE_LINEAR ? "linear blend skinning" : "dual quaternions");
+    printf("wrote:      %s (%s)", o->mesh, size_text(file_size(o->mesh)));
+    if (o->cache != NULL) printf(", %s (%s)", o->cache, size_text(file_size(o->cache)));
+    putchar('\n');
+}
+
+static int pose(session *s, const pose_options *o, const char *path)
+{
+    posing p = {.rig = NULL};
+    int result = DONE;
+    sph_status status;
+    progress_start(&s->progress, "reading");
+    status = open_rig(s, o, path, &p);
+    progress_end(&s->progress);
+    if (status == SPH_OK && interrupted()) status = SPH_E_CANCELLED;
+    if (status == SPH_OK) {
+        progress_start(&s->progress, "posing");
+        status = o->single ? save_frame(s, o, &p) : save_frames(s, o, &p);
+        progress_end(&s->progress);
+    }
+    if (status != SPH_OK)
+        result = session_fail(s, status, NULL);
+    else if (s->json)
+        print_json(o, &p);
+    else if (!s->quiet)
+        print_text(o, &p);
+    sph_deformer_destroy(p.deformer);
+    sph_io_rig_destroy(p.rig);
+    return result;
+}
+
+static int run(int argc, char **argv)
+{
+    pose_options o;
+    arguments paths;
+    session s;
+    int result = parse(&o, argc, argv, &paths);
+    if (result == DONE && o.common.help) {
+        fputs(HELP, stdout);
+    } else if (result == DONE && (result = session_open(&s, &o.common)) == DONE) {
+        result = pose(&s, &o, paths.items[0]);
+        session_close(&s);
+    }
+    free(o.mesh);
+    free(o.cache);
+    free(paths.items);
+    return result;
+}
+
+const subcommand pose_command = {"pose", "pose the mesh of a rigged glTF", HELP, run};
