@@ -71,6 +71,10 @@ void sph__options_init(void *options, size_t size, const void *defaults, size_t 
 sph_status sph__options_read(const sph_context *context, const char *name, const void *in, void *out, size_t full,
                              size_t least);
 
+/* The built-in allocator. */
+void *sph__default_allocate(void *user, size_t size, size_t alignment);
+void sph__default_release(void *user, void *memory, size_t size);
+
 /* The built-in executor. */
 typedef struct sph__pool sph__pool;
 sph__pool *sph__pool_create(const sph_allocator *allocator, uint32_t thread_count);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <sphmesh/version.h>
@@ -57,61 +56,6 @@ const char *sph_status_text(sph_status status)
     }
 }
 
-/* Large memory comes from the system and goes back to it at once, where the C library might keep it. */
-#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
-#  define HAVE_LARGE 1
-enum { LARGE = 1 << 18, HUGE_PAGE = 1 << 21 };
-
-static void *map_pages(size_t size)
-{
-    void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    return memory == MAP_FAILED ? NULL : memory;
-}
-
-/* A few megabytes, as levels have, in huge pages where they are offered: small ones take longer to come than most that is
- * done with them. More of them would take up more memory than was asked for. */
-static void *map_large(size_t size)
-{
-    const long page = sysconf(_SC_PAGESIZE);
-    char *memory, *aligned;
-    size_t whole;
-    if (size < HUGE_PAGE || size > 4 * HUGE_PAGE || page <= 0 || HUGE_PAGE % page != 0) return map_pages(size);
-    whole = (size + (size_t)page - 1) / (size_t)page * (size_t)page;
-    memory = map_pages(whole + HUGE_PAGE);
-    if (memory == NULL) return map_pages(size);
-    aligned = memory + (HUGE_PAGE - (uintptr_t)memory % HUGE_PAGE) % HUGE_PAGE;
-    if (aligned != memory) (void)munmap(memory, (size_t)(aligned - memory));
-    (void)munmap(aligned + whole, (size_t)(memory + HUGE_PAGE - aligned));
-    (void)madvise(aligned, size, MADV_HUGEPAGE);
-    return aligned;
-}
-#endif
-
-static void *default_allocate(void *user, size_t size, size_t alignment)
-{
-    void *memory = NULL;
-    (void)user;
-#if defined(HAVE_LARGE)
-    if (size >= LARGE) {
-        return map_large(size);
-    }
-#endif
-    return posix_memalign(&memory, alignment < sizeof(void *) ? sizeof(void *) : alignment, size) == 0 ? memory : NULL;
-}
-
-static void default_release(void *user, void *memory, size_t size)
-{
-    (void)user;
-#if defined(HAVE_LARGE)
-    if (size >= LARGE) {
-        (void)munmap(memory, size);
-        return;
-    }
-#endif
-    (void)size;
-    free(memory);
-}
-
 static void inline_parallel_for(void *user, size_t count, size_t grain, sph_range_fn *body, void *argument)
 {
     (void)user;
@@ -147,7 +91,7 @@ static sph_status read_options(const sph_context_options *in, sph_context_option
         (o->allocator.user != NULL && o->allocator.allocate == NULL) ||
         (o->executor.user != NULL && o->executor.parallel_for == NULL) || o->thread_count > 256)
         return SPH_E_INVALID;
-    if (o->allocator.allocate == NULL) o->allocator = (sph_allocator){NULL, default_allocate, default_release};
+    if (o->allocator.allocate == NULL) o->allocator = (sph_allocator){NULL, sph__default_allocate, sph__default_release};
     if (o->thread_count == 0) o->thread_count = processor_count();
     return SPH_OK;
 }
