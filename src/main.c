@@ -9,9 +9,9 @@
 
 #include "program.h"
 
-static const subcommand *const COMMANDS[] = {&build_command,   &info_command,    &level_command, &measure_command,
-                                             &convert_command, &surface_command, &cast_command,
-                                             &export_command,
+static const subcommand *const COMMANDS[] = {&build_command,   &info_command,    &level_command,
+                                             &measure_command, &convert_command, &surface_command,
+                                             &cast_command,    &export_command,  &skin_command,
 #ifdef HAVE_PNG
                                              &render_command,
 #endif
@@ -86,8 +86,9 @@ static int run(int argc, char **argv)
     const subcommand *c;
     const char *word = argc > 1 ? argv[1] : "";
     if (argc < 2)
-        return usage_error(NULL,
-                           "no command; there are build, info, level, measure, convert, surface, cast, export, demo and help");
+        return usage_error(
+            NULL,
+            "no command; there are build, info, level, measure, convert, surface, cast, export, skin, demo and help");
     if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
         const unsigned v = sph_version();
         printf("sphmesh %u.%u.%u\n", v / 1000000, v / 1000 % 1000, v % 1000);

@@ -58,8 +58,7 @@ static bool read_size(const char *text, uint64_t *out)
     return true;
 }
 
-/* A:B:STEP, where every part may be missing; A alone is that frame alone. */
-static bool read_frames(const char *text, frame_range *out)
+bool read_frames(const char *text, frame_range *out)
 {
     frame_range r = {true, 0, 0, 1};
     if (*text != ':' && !read_count(text, &text, &r.first)) return false;

@@ -58,6 +58,9 @@ extern const char *const progress_choices[];
         NULL, 0, OPTION_END, NULL, 0, 0, NULL                                                                          \
     }
 
+/* A:B:STEP, where every part may be missing; A alone is that frame alone. False where it is something else. */
+bool read_frames(const char *text, frame_range *out);
+
 /*
  * Reads argv[1] and on; options and arguments may be mixed, "--" ends the options. Returns DONE, or USAGE after it has
  * said which option is wrong. Stops at --help, which is an option of the table like the others.

@@ -7,7 +7,7 @@ import tempfile
 
 from support import PROGRAM, Case, main, run
 
-COMMANDS = ["build", "info", "level", "measure", "convert", "surface", "cast", "export", "demo"]
+COMMANDS = ["build", "info", "level", "measure", "convert", "surface", "cast", "export", "demo", "skin"]
 if run("help", "render").returncode == 0:  # not where the program was built without libpng
     COMMANDS.append("render")
 COMMANDS.append("pose")
