@@ -28,34 +28,6 @@ uint32_t sph_version(void)
     return SPH_VERSION;
 }
 
-const char *sph_status_text(sph_status status)
-{
-    switch (status) {
-    case SPH_OK:
-        return "no error";
-    case SPH_E_INVALID:
-        return "invalid argument or input";
-    case SPH_E_NOMEM:
-        return "out of memory";
-    case SPH_E_CANCELLED:
-        return "cancelled";
-    case SPH_E_VERSION:
-        return "made by a newer version";
-    case SPH_E_IO:
-        return "input or output failed";
-    case SPH_E_FORMAT:
-        return "damaged or wrong format";
-    case SPH_E_UNSUPPORTED:
-        return "not supported";
-    case SPH_E_LIMIT:
-        return "beyond a limit";
-    case SPH_E_STATE:
-        return "not possible in this state";
-    default:
-        return "unknown status";
-    }
-}
-
 static void inline_parallel_for(void *user, size_t count, size_t grain, sph_range_fn *body, void *argument)
 {
     (void)user;

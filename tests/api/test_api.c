@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Every public function, called by a careless caller: nothing crashes, a handle comes out exactly where the status is good,
+ * and all memory comes back. The calls are made from the headers, so that no function can be forgotten.
+ */
+#include <check.h>
+#include <dirent.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "calls.h"
+#include "support.h"
+
+enum { SCRATCHES = 8, SCRATCH_SIZE = 1 << 20, ROUNDS = 80, CALLS_PER_FIXTURE = 10, SECONDS = 2 };
+
+api_fixture fixture;
+
+static union scratch_block {
+    unsigned char bytes[SCRATCH_SIZE];
+    max_align_t aligned;
+} *scratches;
+static char path[64];
+
+uint32_t pick(uint64_t *random, uint32_t below)
+{
+    return (uint32_t)(test_random(random) >> 33) % below;
+}
+
+size_t small(uint64_t *random)
+{
+    static const size_t SMALL[] = {0, 1, 2, 3, 4, 7, 12, 30};
+    return SMALL[pick(random, 8)];
+}
+
+size_t odd_stride(uint64_t *random)
+{
+    static const size_t STRIDES[] = {0, 0, 1, 3, 4, 12, 16, 48};
+    return STRIDES[pick(random, 8)];
+}
+
+uint32_t odd_uint32(uint64_t *random)
+{
+    static const uint32_t ODD[] = {0, 1, 2, 3, 4, 5, 9, UINT32_MAX};
+    return ODD[pick(random, 8)];
+}
+
+int32_t odd_int32(uint64_t *random)
+{
+    static const int32_t ODD[] = {0, 1, 2, 3, -1, INT32_MAX, INT32_MIN, 7};
+    return ODD[pick(random, 8)];
+}
+
+double odd_number(uint64_t *random)
+{
+    static const double ODD[] = {0, 1, 0.5, -1, 1e300, 1e-300, INFINITY, NAN};
+    return ODD[pick(random, 8)];
+}
+
+const char *text(uint64_t *random)
+{
+    static const char *const TEXTS[] = {NULL, "", "/nowhere/a.obj", "a", "%s%n", "\xff\xfe", "/", path};
+    static const char *const ENDINGS[] = {".obj", ".pc2", ".mdd", ".sphm", ".json", ".glb", ".ply", ".nothing"};
+    snprintf(path, sizeof path, "test-api-%ld%s", (long)getpid(), ENDINGS[pick(random, 8)]);
+    return TEXTS[pick(random, 8)];
+}
+
+const char **names(uint64_t *random)
+{
+    static const char *list[32];
+    for (unsigned i = 0; i < 32; ++i) list[i] = i % 2 == 0 ? "s10.obj" : "s2.obj";
+    return pick(random, 8) == 0 ? NULL : list;
+}
+
+void *scratch(uint64_t *random)
+{
+    unsigned char *block = scratches[pick(random, SCRATCHES)].bytes;
+    const uint32_t kind = pick(random, 4);
+    float *numbers = (float *)(void *)block;
+    memset(block, 0, SCRATCH_SIZE);
+    for (unsigned i = 0; kind > 0 && i < 1024; ++i)
+        numbers[i] = kind == 1 ? (float)i * 0.25F : kind == 2 ? (float)pick(random, 9) - 4 : (float)odd_number(random);
+    return block;
+}
+
+void *room(size_t size)
+{
+    enum { ROOMS = 64, ROOM_SIZE = 2048 };
+    static union {
+        unsigned char bytes[ROOM_SIZE];
+        max_align_t aligned;
+    } rooms[ROOMS];
+    static unsigned last;
+    CHECK(size <= ROOM_SIZE);
+    last = (last + 1) % ROOMS;
+    return memset(rooms[last].bytes, 0, ROOM_SIZE);
+}
+
+static void make_skin(void)
+{
+    const sph_skin_source source = {.animation = fixture.animation};
+    sph_skin_options o;
+    sph_skin_options_init(&o, sizeof o);
+    o.round_limit = 1;
+    ck_assert_int_eq(sph_skin_create(fixture.level, &source, 1, &o, &fixture.skin), SPH_OK);
+    ck_assert_int_eq(sph_skeleton_create(fixture.skin, NULL, &fixture.skeleton), SPH_OK);
+    ck_assert_int_eq(sph_deformer_create(fixture.skin, NULL, &fixture.deformer), SPH_OK);
+}
+
+static void set_up(void)
+{
+    sph_context_options o;
+    sph_surface_options so;
+    sph_context_options_init(&o, sizeof o);
+    o.thread_count = 1;
+    o.memory_limit = UINT64_C(512) << 20;
+    ck_assert_int_eq(sph_context_create(&o, &fixture.context), SPH_OK);
+    fixture.animation = test_cube(fixture.context, 2);
+    ck_assert_int_eq(sph_quadric_create(fixture.context, 2, &fixture.quadric), SPH_OK);
+    ck_assert_int_eq(sph_hierarchy_create(fixture.animation, NULL, &fixture.hierarchy), SPH_OK);
+    ck_assert_int_eq(sph_cursor_create(fixture.hierarchy, &fixture.cursor), SPH_OK);
+    ck_assert_int_eq(sph_level_create(fixture.hierarchy, 5, &fixture.level), SPH_OK);
+    ck_assert_int_eq(sph_query_create(fixture.level, NULL, &fixture.query), SPH_OK);
+    ck_assert_int_eq(sph_query_pose_frame(fixture.query, 0), SPH_OK);
+    sph_surface_options_init(&so, sizeof so);
+    so.resolution = 4;
+    ck_assert_int_eq(sph_surface_create(fixture.level, &so, &fixture.surface), SPH_OK);
+    make_skin();
+}
+
+static void tear_down(void)
+{
+    sph_deformer_destroy(fixture.deformer);
+    sph_skeleton_destroy(fixture.skeleton);
+    sph_skin_destroy(fixture.skin);
+    sph_surface_destroy(fixture.surface);
+    sph_query_destroy(fixture.query);
+    sph_level_destroy(fixture.level);
+    sph_cursor_destroy(fixture.cursor);
+    sph_hierarchy_destroy(fixture.hierarchy);
+    sph_quadric_destroy(fixture.quadric);
+    sph_animation_destroy(fixture.animation);
+    sph_context_destroy(fixture.context);
+}
+
+START_TEST(a_careless_caller_harms_nothing)
+{
+    const api_call *call = &API_CALLS[_i];
+    uint64_t random = 1000 + (uint64_t)_i;
+    const clock_t enough = clock() + SECONDS * CLOCKS_PER_SEC; /* of what takes long, fewer calls are made */
+    ck_assert_ptr_nonnull(scratches = test_malloc(SCRATCHES, sizeof *scratches));
+    for (unsigned round = 0; round < ROUNDS && (round % CALLS_PER_FIXTURE != 0 || clock() < enough); ++round) {
+        if (round % CALLS_PER_FIXTURE == 0) set_up();
+        call->run(&random);
+        if (round % CALLS_PER_FIXTURE == CALLS_PER_FIXTURE - 1) tear_down();
+    }
+    unlink(path);
+    free(scratches);
+}
+END_TEST
+
+/* Removes the files that the calls have left, and their folder. */
+static void clear(const char *folder)
+{
+    DIR *listing = opendir(folder);
+    const struct dirent *entry;
+    while (listing != NULL && (entry = readdir(listing)) != NULL) unlink(entry->d_name);
+    if (listing != NULL) closedir(listing);
+    if (chdir("/") == 0) rmdir(folder);
+}
+
+int main(void)
+{
+    char folder[] = "/tmp/test-api-XXXXXX";
+    Suite *suite = suite_create("api");
+    TCase *tc = tcase_create("api");
+    SRunner *runner;
+    int failed;
+    tcase_set_timeout(tc, 60);
+    tcase_add_loop_test(tc, a_careless_caller_harms_nothing, 0, (int)API_CALL_COUNT);
+    suite_add_tcase(suite, tc);
+    if (mkdtemp(folder) == NULL || chdir(folder) != 0) return 1;
+    runner = srunner_create(suite);
+    srunner_run_all(runner, CK_ENV);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    clear(folder);
+    return failed != 0;
+}
