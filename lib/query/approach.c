@@ -37,8 +37,8 @@ float sph__query_fan_bound(const sph__query_fan *f, const float x[3])
     return greater(greater(d[0], d[1]), greater(d[2], d[3]));
 }
 
-/* Is a segment that is in the box from *entry on in the slabs as well? Then from when on goes to *entry. */
-SPH__INLINE int enter(const sph__query_fan *f, const sph__query_ray *ray, float *entry)
+/* Is a segment that is in the box from `entry` on in the slabs as well, and no later than `limit`? */
+SPH__INLINE int enter(const sph__query_fan *f, const sph__query_ray *ray, float entry, float limit)
 {
     const v4f zero = {0}, tiny = zero + 1e-18f;
     const v4f n0 = LOAD4F(f->normal[0]), n1 = LOAD4F(f->normal[1]), n2 = LOAD4F(f->normal[2]);
@@ -47,22 +47,21 @@ SPH__INLINE int enter(const sph__query_fan *f, const sph__query_ray *ray, float 
     const v4f inverse = 1.0f / (rate + SELECT4F(rate < zero, -tiny, tiny)); /* never infinite */
     const v4f a = (LOAD4F(f->low) - ray->reach - place) * inverse, b = (LOAD4F(f->high) + ray->reach - place) * inverse;
     const v4f first = SELECT4F(a < b, a, b), last = SELECT4F(a < b, b, a);
-    const float in = greater(greater(greater(first[0], first[1]), greater(first[2], first[3])), *entry);
-    const float out = lesser(lesser(lesser(last[0], last[1]), lesser(last[2], last[3])), 1);
-    *entry = in;
+    const float in = greater(greater(greater(first[0], first[1]), greater(first[2], first[3])), entry);
+    const float out = lesser(lesser(lesser(last[0], last[1]), lesser(last[2], last[3])), limit);
     return in <= out;
 }
 
 SPH__CLONES static uint32_t enter_clones(const sph__query_fan *fans, const sph__query_ray *rays, sph__query_pair *pairs,
-                                         uint32_t count)
+                                         uint32_t count, float limit)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const uint16_t move = pairs[i].move;
         const uint32_t slot = pairs[i].slot;
-        float entry = (float)pairs[i].t;
-        const int meets = enter(&fans[slot], &rays[move], &entry);
-        pairs[kept].t = entry;
+        const double t = pairs[i].t;
+        const int meets = enter(&fans[slot], &rays[move], (float)t, limit);
+        pairs[kept].t = t;
         pairs[kept].move = move;
         pairs[kept].slot = slot;
         kept += (uint32_t)meets;
@@ -71,9 +70,9 @@ SPH__CLONES static uint32_t enter_clones(const sph__query_fan *fans, const sph__
 }
 
 uint32_t sph__query_fan_enter(const sph__query_fan *fans, const sph__query_ray *rays, sph__query_pair *pairs,
-                              uint32_t count)
+                              uint32_t count, double limit)
 {
-    return enter_clones(fans, rays, pairs, count);
+    return enter_clones(fans, rays, pairs, count, (float)(limit + 1e-6)); /* more than it loses here */
 }
 
 /*
@@ -123,15 +122,6 @@ SPH__INLINE void step(const sph__query_fan *f, const sph__query_move *m, sph__qu
     sph__query_finish(p, distance, m->tolerance, sph__query_pick(slope < 0, at - distance / slope, SPH__QUERY_MISS));
 }
 
-SPH__CLONES static void step_clones(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,
-                                    uint32_t count)
-{
-    for (uint32_t i = 0; i < count; ++i) {
-        pairs[i].steps = 0;
-        step(&fans[pairs[i].slot], &moves[pairs[i].move], &pairs[i]);
-    }
-}
-
 SPH__CLONES static void some_clones(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,
                                     const uint32_t *which, uint32_t count)
 {
@@ -139,12 +129,6 @@ SPH__CLONES static void some_clones(const sph__query_fan *fans, const sph__query
         sph__query_pair *p = &pairs[which[i]];
         step(&fans[p->slot], &moves[p->move], p);
     }
-}
-
-void sph__query_fan_begin(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,
-                          uint32_t count)
-{
-    step_clones(fans, moves, pairs, count);
 }
 
 void sph__query_fan_step(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,

@@ -12,7 +12,7 @@
 
 enum {
     MOST_MOVES = SPH__QUERY_WAVE,          /* of a packet */
-    MOST_PAIRS = 2 * SPH__QUERY_CHUNK + 1, /* at a time */
+    MOST_PAIRS = 4 * SPH__QUERY_CHUNK + 1, /* at a time */
     WAVE_FROM = 8,                         /* moves from which on the wave is quicker */
     WAVE_TO = 512                          /* primitives up to which it is */
 };
@@ -35,15 +35,11 @@ typedef struct packet {
     bool any; /* any hit will do */
     uint32_t move_count, pair_count;
     cast casts[MOST_MOVES];
+    bool is_aimed[MOST_MOVES];
     sph__query_move moves[MOST_MOVES];
     sph__query_ray rays[MOST_MOVES];
     sph__query_pair pairs[MOST_PAIRS];
 } packet;
-
-/* The pairs of one move that are left, [begin, end) of an order. */
-typedef struct group {
-    uint32_t begin, end;
-} group;
 
 static inline double lesser(double a, double b)
 {
@@ -94,7 +90,8 @@ static void begin(packet *p, uint32_t i, const double from[3], const double to[3
     }
     m->radius = radius;
     m->tolerance = 1e-14 * (1 + radius);
-    if (radius + margin < 1e3)
+    p->is_aimed[i] = !(radius + margin < 1e3);
+    if (!p->is_aimed[i])
         sph__query_ray_set(&p->rays[i], m->start, m->way, radius + margin);
     else
         p->rays[i] = sph__query_ray_all;
@@ -121,81 +118,66 @@ static inline bool matters(const packet *p, const sph__query_pair *pair)
     return pair->t <= p->casts[pair->move].limit;
 }
 
-/* After the first step: best casts, and the pairs that remain, by move. */
-static uint32_t sift(packet *p, group *groups, uint16_t *order)
+/* Drops pairs that make none. */
+static void sift(packet *p)
 {
-    uint16_t place[MOST_MOVES];
-    uint32_t count = 0, kept = 0, begin_place = 0;
-    memset(place, 0, p->move_count * sizeof *place);
+    uint32_t kept = 0;
     for (uint32_t i = 0; i < p->pair_count; ++i) {
-        if (p->pairs[i].touches) improve(p, &p->pairs[i]);
-        p->pairs[kept] = p->pairs[i];
-        kept += !p->pairs[i].touches;
+        const sph__query_pair pair = p->pairs[i];
+        p->pairs[kept] = pair;
+        kept += matters(p, &pair);
     }
     p->pair_count = kept;
-    kept = 0;
+}
+
+/* Of each move that has any the pairs that may touch first: all in which it begins, say. Returns how many. */
+static uint32_t choose(const packet *p, uint32_t *turn)
+{
+    uint16_t first[MOST_MOVES];
+    uint32_t count = 0;
+    turn[0] = 0;
+    if (p->pair_count == 1) return 1;
+    for (uint32_t i = 0; i < p->pair_count; ++i)
+        first[p->pairs[i].move] = (uint16_t)i;
     for (uint32_t i = 0; i < p->pair_count; ++i) {
-        const bool stays = matters(p, &p->pairs[i]);
-        p->pairs[kept] = p->pairs[i];
-        place[p->pairs[kept].move] = (uint16_t)(place[p->pairs[kept].move] + stays);
-        kept += stays;
+        uint16_t *f = &first[p->pairs[i].move];
+        *f = p->pairs[i].t < p->pairs[*f].t ? (uint16_t)i : *f;
     }
-    if (kept == 0) return 0;
-    for (uint32_t i = 0; i < p->move_count; ++i) {
-        const uint32_t size = place[i];
-        groups[count] = (group){begin_place, begin_place + size};
-        place[i] = (uint16_t)begin_place;
-        begin_place += size;
-        count += size > 0;
+    for (uint32_t i = 0; i < p->pair_count; ++i) {
+        turn[count] = i;
+        count += p->pairs[i].t == p->pairs[first[p->pairs[i].move]].t;
     }
-    for (uint32_t i = 0; i < kept; ++i)
-        order[place[p->pairs[i].move]++] = (uint16_t)i;
     return count;
 }
 
-/* Of a move the pair whose turn it is: that which may touch first; NONE: no pair matters any more. */
-static uint32_t choose(const packet *p, const group *g, const uint16_t *order)
+/* Works on these pairs until they have touched or do not matter. */
+static void approach(packet *p, uint32_t *turn, uint32_t count)
 {
-    uint32_t first = order[g->begin];
-    double t = p->pairs[first].t;
-    for (uint32_t i = g->begin + 1; i < g->end; ++i) {
-        const double other = p->pairs[order[i]].t;
-        first = other < t ? order[i] : first;
-        t = other < t ? other : t;
-    }
-    return t <= p->casts[p->pairs[first].move].limit ? first : NONE;
-}
-
-/* Lets all pairs, after their first step, have their say. Each round works on one pair of each move. */
-static void resolve(packet *p)
-{
-    group groups[MOST_MOVES + 1];
-    uint16_t order[MOST_PAIRS];
-    uint32_t turn[MOST_MOVES], count, kept = 0;
-    count = sift(p, groups, order);
-    p->pair_count = 0;
-    for (uint32_t i = 0; i < count; ++i)
-        turn[i] = choose(p, &groups[i], order);
     while (count > 0) {
+        uint32_t kept = 0;
         sph__query_fan_step(p->query->fans, p->moves, p->pairs, turn, count);
-        kept = 0;
         for (uint32_t i = 0; i < count; ++i) {
             sph__query_pair *pair = &p->pairs[turn[i]];
-            uint32_t next = turn[i];
             if (pair->touches) {
                 improve(p, pair);
                 pair->t = SPH__QUERY_MISS;
             }
-            if (!matters(p, pair)) next = choose(p, &groups[i], order);
-            groups[kept] = groups[i];
-            turn[kept] = next;
-            kept += next != NONE;
+            turn[kept] = turn[i];
+            kept += matters(p, pair);
         }
         count = kept;
     }
 }
 
-/* Pairs of a move with slots [begin, end), at most a chunk, after their first step. */
+/* Lets all pairs have their say. Mostly the first one of a move silences the others. */
+static void resolve(packet *p)
+{
+    uint32_t turn[MOST_PAIRS + 1];
+    for (sift(p); p->pair_count > 0; sift(p))
+        approach(p, turn, choose(p, turn));
+}
+
+/* Pairs of a move with slots [begin, end), at most a chunk. */
 static void add(packet *p, uint32_t move, uint32_t begin_slot, uint32_t end_slot)
 {
     sph__query_pair *pairs = p->pairs + p->pair_count;
@@ -207,9 +189,14 @@ static void add(packet *p, uint32_t move, uint32_t begin_slot, uint32_t end_slot
         pairs[i].move = (uint16_t)move;
         pairs[i].slot = met[i];
     }
-    count = sph__query_fan_enter(p->query->fans, p->rays, pairs, count);
-    sph__query_fan_begin(p->query->fans, p->moves, pairs, count);
-    p->pair_count += count;
+    if (count == 0) return;
+    count = sph__query_fan_enter(p->query->fans, p->rays, pairs, count, p->casts[move].limit);
+    if (count == 0) return;
+    if (!p->is_aimed[move]) {
+        sph__query_ray_aim(&p->rays[move], p->moves[move].way, p->moves[move].radius);
+        p->is_aimed[move] = true;
+    }
+    p->pair_count += sph__query_parts_touch(p->query->parts, p->rays, pairs, count);
 }
 
 /* As the kernel does it; monotonous, so that a box is entered no later than the boxes in it. */
@@ -273,12 +260,15 @@ static void search_wave(packet *p)
 {
     const sph_query *q = p->query;
     sph__query_wave wave;
-    sph__query_wave_begin(&wave, p->move_count, p->rays, p->moves);
+    sph__query_wave_begin(&wave, p->move_count, p->rays);
     for (uint32_t i = 0; i < p->move_count; ++i)
-        if (p->casts[i].is_near) sph__query_wave_set(&wave, i, &p->rays[i]);
+        if (p->casts[i].is_near) {
+            if (!p->is_aimed[i]) sph__query_ray_aim(&p->rays[i], p->moves[i].way, p->moves[i].radius);
+            sph__query_wave_set(&wave, i, &p->rays[i]);
+        }
     for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
         if (p->pair_count + SPH__QUERY_WAVE + 1 > MOST_PAIRS) resolve(p);
-        p->pair_count += sph__query_wave_pairs(&wave, &q->bounds, q->fans, slot, p->pairs + p->pair_count);
+        p->pair_count += sph__query_wave_pairs(&wave, &q->bounds, q->parts, slot, p->pairs + p->pair_count);
     }
 }
 

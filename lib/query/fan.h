@@ -55,16 +55,11 @@ double sph__query_fan_distance(const sph__query_fan *fan, const double x[3]);
 /* A distance in the slabs' directions: no point of the primitive is nearer to x. */
 float sph__query_fan_bound(const sph__query_fan *fan, const float x[3]);
 
-/*
- * Drops pairs that the slabs show never to touch, and sets t of the others to where they are entered; returns how many
- * there are left, in the same order. `t` is where the box is entered.
- */
+/* Drops pairs that the slabs show not to touch up to `limit`; returns how many there are left, in the same order. */
 uint32_t sph__query_fan_enter(const sph__query_fan *fans, const sph__query_ray *rays, sph__query_pair *pairs,
-                              uint32_t count);
+                              uint32_t count, double limit);
 
-/* The first step of Newton's method for all pairs; one more for each of pairs[which[i]]. */
-void sph__query_fan_begin(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,
-                          uint32_t count);
+/* A step of Newton's method for each of pairs[which[i]]. */
 void sph__query_fan_step(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,
                          const uint32_t *which, uint32_t count);
 

@@ -2,6 +2,7 @@
 #include "query/kernel.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "hierarchy/lanes.h"
@@ -21,8 +22,17 @@ static inline float greater(float a, float b)
     return a > b ? a : b;
 }
 
-const sph__query_ray sph__query_ray_all = {{1e30f, 1e30f, 1e30f}, {-1e30f, -1e30f, -1e30f}, {1, 1, 1}, {0}, {0}, 1e30f};
-const sph__query_ray sph__query_ray_none = {{1e15f, 1e15f, 1e15f}, {1e15f, 1e15f, 1e15f}, {1, 1, 1}, {0}, {0}, 0};
+/* Swollen so that every span has some length; of which nothing follows. */
+#define SWOLLEN 1e6f
+
+const sph__query_ray sph__query_ray_all = {.above = {1e30f, 1e30f, 1e30f},
+                                           .below = {-1e30f, -1e30f, -1e30f},
+                                           .inverse = {1, 1, 1},
+                                           .reach = 1e30f,
+                                           .direction = {1, 0, 0},
+                                           .swell = SWOLLEN};
+const sph__query_ray sph__query_ray_none = {
+    .above = {1e15f, 1e15f, 1e15f}, .below = {1e15f, 1e15f, 1e15f}, .inverse = {1, 1, 1}, .direction = {1, 0, 0}};
 
 void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3], double reach)
 {
@@ -35,6 +45,17 @@ void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3
         ray->way[k] = slope;
     }
     ray->reach = (float)reach;
+}
+
+void sph__query_ray_aim(sph__query_ray *ray, const double d[3], double radius)
+{
+    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), per_length = 1 / length;
+    const bool is_long = length > 1e-12;
+    for (int k = 0; k < 3; ++k)
+        ray->direction[k] = is_long ? (float)(d[k] * per_length) : k == 0;
+    ray->per_length = is_long ? (float)per_length : 0;
+    ray->margin = 1e-5f * (1 + ray->reach);
+    ray->swell = is_long ? (float)radius + ray->margin : SWOLLEN;
 }
 
 /* `count` boxes, in whole vectors. */

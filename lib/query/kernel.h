@@ -30,6 +30,9 @@ typedef struct sph__query_ray {
     float inverse[3];         /* 1 / d, never infinite */
     float from[3], way[3];    /* p, d */
     float reach;
+    float direction[3]; /* unit, and what makes a t of a length along it; 0: t says nothing */
+    float per_length;
+    float swell, margin; /* the radius of what moves, and more than all rounding of places */
 } sph__query_ray;
 
 /* What `entry` says where the segment does not meet the box. */
@@ -38,7 +41,10 @@ typedef struct sph__query_ray {
 /* A segment that meets all bounds; none. */
 extern const sph__query_ray sph__query_ray_all, sph__query_ray_none;
 
+/* What bounds need. */
 void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3], double reach);
+/* And what parts need; something of this radius. */
+void sph__query_ray_aim(sph__query_ray *ray, const double d[3], double radius);
 
 /*
  * Which of the boxes [begin, end), at most SPH__QUERY_CHUNK, the segment meets: their numbers in ascending order, and

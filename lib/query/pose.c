@@ -49,6 +49,7 @@ static void set_primitive(sph_query *q, uint32_t slot)
         q->bounds.high[k][slot] = s->boxes[slot].high[k] = (float)high;
     }
     sph__query_fan_set(&q->fans[slot], &s->primitives[slot]);
+    sph__query_parts_set(&q->parts[slot], &s->primitives[slot]);
 }
 
 void sph__query_repose(sph_query *q)

@@ -38,6 +38,7 @@ void sph_query_destroy(sph_query *q)
     sph__free(context, q->simplices);
     sph__free(context, q->numbers);
     sph__free(context, q->fans);
+    sph__free(context, q->parts);
     sph__free(context, q);
     sph__context_release(context);
 }
@@ -212,8 +213,9 @@ static sph_status allocate(sph_query *q, const sph_level *level)
     q->simplices = sph__alloc(q->context, q->primitive_count, sizeof *q->simplices);
     q->numbers = sph__alloc(q->context, q->primitive_count, sizeof *q->numbers);
     q->fans = sph__alloc(q->context, q->primitive_count, sizeof *q->fans);
+    q->parts = sph__alloc(q->context, q->primitive_count, sizeof *q->parts);
     if (q->frame_centers == NULL || q->frame_radii == NULL || q->simplices == NULL || q->numbers == NULL ||
-        q->fans == NULL)
+        q->fans == NULL || q->parts == NULL)
         return SPH_E_NOMEM;
     memcpy(q->frame_centers, level->centers, 3 * all * sizeof *q->frame_centers);
     memcpy(q->frame_radii, level->radii, (level->radii_per_frame ? all : spheres) * sizeof *q->frame_radii);

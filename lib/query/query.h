@@ -50,7 +50,8 @@ struct sph_query {
     sph__query_simplex *simplices;
     uint32_t *numbers; /* of a slot: the primitive's place in the order of the simplices, by which ties go */
     sph__query_bounds bounds;
-    sph__query_fan *fans; /* by slot */
+    sph__query_fan *fans;    /* by slot */
+    sph__query_parts *parts; /* by slot */
     double origin[3], scale;
     double half[3]; /* the solid lies in +- half */
     uint64_t pose;  /* counts up */

@@ -164,7 +164,7 @@ static const uint32_t SIZES[] = {30, 120, 400, SIMPLICES};
 
 START_TEST(a_batch_has_the_bits_of_single_calls)
 {
-    static const size_t BATCHES[] = {7, 8, 33, 128, 129, SWEEPS};
+    static const size_t BATCHES[] = {7, 8, 33, 256, 257, SWEEPS};
     sph_level *level = make_level(SIZES[_i]);
     sph_query *q = make_query(level, SPH_SEARCH_AUTO);
     ask(q, 1, given[0]);

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+#include "query/parts.h"
+
+#include <string.h>
+
+#include "numeric/vector.h"
+
+/* The corner again: a cone of no length around its sphere is that sphere. */
+static void set_edge(sph__query_parts *parts, int lane, const sph__primitive *p, int index)
+{
+    const sph__primitive_edge *e = &p->edge[index];
+    parts->cosine[lane] = 1;
+    if (p->corner_count == 1 || e->only >= 0) return;
+    for (int k = 0; k < 3; ++k)
+        parts->axis[k][lane] = (float)e->axis[k];
+    parts->sine[lane] = (float)e->sine;
+    parts->cosine[lane] = (float)e->cosine;
+    parts->length[lane] = (float)(e->length * e->cosine * e->cosine);
+}
+
+/* The prism's corners are centre + radius * (tilt +- rise * plane_normal). Any direction gives a bound. */
+static void set_side(sph__query_parts *parts, int lane, const sph__primitive *p, const double feet[3][3])
+{
+    const int i = lane % 3;
+    double along[3], normal[3], length, most = 0;
+    sph__subtract(feet[(i + 1) % 3], feet[i], along);
+    sph__cross(along, p->plane_normal, normal);
+    length = sph__norm(normal);
+    for (int k = 0; k < 3; ++k)
+        normal[k] = length > 0 ? normal[k] / length : 0;
+    for (int j = 0; j < 3; ++j) {
+        const double place = sph__dot(normal, feet[j]);
+        most = j == 0 || place > most ? place : most;
+    }
+    for (int k = 0; k < 3; ++k)
+        parts->side[k][lane] = (float)normal[k];
+    parts->beyond[lane] = (float)(most - sph__dot(normal, p->center[i]));
+    parts->growth[lane] = (float)sph__dot(normal, p->tilt);
+}
+
+static void set_prism(sph__query_parts *parts, const sph__primitive *p)
+{
+    double feet[3][3];
+    for (int i = 0; i < 3; ++i) {
+        sph__copy3(p->center[i], feet[i]);
+        sph__add_scaled(feet[i], p->radius[i], p->tilt, feet[i]);
+    }
+    for (int lane = 0; lane < SPH__QUERY_FAN; ++lane)
+        set_side(parts, lane, p, (const double(*)[3])feet);
+    for (int k = 0; k < 3; ++k) {
+        parts->face[0][k] = (float)(p->tilt[k] + p->rise * p->plane_normal[k]);
+        parts->face[1][k] = (float)(p->tilt[k] - p->rise * p->plane_normal[k]);
+    }
+}
+
+void sph__query_parts_set(sph__query_parts *parts, const sph__primitive *p)
+{
+    memset(parts, 0, sizeof *parts);
+    parts->corner_count = (uint32_t)p->corner_count;
+    for (int lane = 0; lane < SPH__QUERY_FAN; ++lane) {
+        const int i = p->corner_count == 3 ? lane % 3 : lane % p->corner_count;
+        for (int k = 0; k < 3; ++k)
+            parts->center[k][lane] = (float)p->center[i][k];
+        parts->radius[lane] = (float)p->radius[i];
+        if (p->corner_count == 3 || i == 0)
+            set_edge(parts, lane, p, i);
+        else
+            parts->cosine[lane] = 1;
+    }
+    parts->room = p->has_faces ? 0 : -1e15f;
+    if (p->has_faces) set_prism(parts, p);
+}

@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The 32-bit bounds of casts never lose a hit and never begin later than it: against Newton's method on the distance of
+ * every primitive, from the segment's beginning on, without any bound.
+ */
+#include <check.h>
+#include <math.h>
+#include <string.h>
+
+#include "query/query.h"
+#include "support.h"
+
+enum { SPHERES = 12, EDGES = 4, TRIANGLES = 6, RAYS = SPH__QUERY_WAVE, SOLIDS = 100, SLOTS = 64 };
+
+static sph_context *context;
+static uint64_t state;
+static float centers[SPHERES][3], radii[SPHERES];
+static uint32_t edges[EDGES][2], triangles[TRIANGLES][3];
+static sph__query_move moves[RAYS];
+static sph__query_ray rays[RAYS];
+static float waves[SLOTS][RAYS]; /* what the wave says; SPH__QUERY_MISS: nothing */
+
+static const double SCALES[] = {1, 1e-30, 1e30, 1e-4, 3e5};
+
+static double between(double low, double high)
+{
+    return low + (high - low) * test_random_unit(&state);
+}
+
+static uint32_t below(uint32_t count)
+{
+    return (uint32_t)(test_random(&state) % count);
+}
+
+static void random_spheres(double scale)
+{
+    for (uint32_t i = 0; i < SPHERES; ++i) {
+        const uint32_t other = below(i + 1);
+        const double far = below(3) ? 0.3 : 1;
+        double r = below(3) ? between(0, 0.3) : pow(10, between(-9, 0));
+        for (int k = 0; k < 3; ++k)
+            centers[i][k] = (float)(scale * between(-far, far));
+        switch (below(8)) {
+        case 0:
+            r = 0;
+            break;
+        case 1:
+            memcpy(centers[i], centers[other], sizeof *centers);
+            break;
+        case 2: /* nearly in one place, or a sliver later */
+            for (int k = 0; k < 3; ++k)
+                centers[i][k] = centers[other][k] + (float)(scale * between(-1e-5, 1e-5));
+            break;
+        default:
+            break;
+        }
+        radii[i] = below(10) == 0 ? radii[other] : (float)(scale * r);
+    }
+}
+
+static sph_query *random_query(double scale, int32_t search)
+{
+    const sph_level_arrays arrays = {.struct_size = sizeof arrays,
+                                     .sphere_count = SPHERES,
+                                     .frame_count = 1,
+                                     .centers = centers[0],
+                                     .radii = radii,
+                                     .edge_count = EDGES,
+                                     .edges = edges[0],
+                                     .triangle_count = TRIANGLES,
+                                     .triangles = triangles[0]};
+    sph_query_options options;
+    sph_level *level = NULL;
+    sph_query *q = NULL;
+    random_spheres(scale);
+    for (uint32_t i = 0; i < EDGES; ++i)
+        edges[i][1] = (edges[i][0] = below(SPHERES - 1)) + 1;
+    for (uint32_t i = 0; i < TRIANGLES; ++i)
+        for (uint32_t k = 0; k < 3; ++k)
+            triangles[i][k] = (triangles[i][0] + k * (1 + below(3))) % SPHERES;
+    for (uint32_t i = 0; i < TRIANGLES; ++i)
+        triangles[i][0] = below(SPHERES);
+    sph_query_options_init(&options, sizeof options);
+    options.search = search;
+    ck_assert_int_eq(sph_level_create_from_arrays(context, &arrays, &level), SPH_OK);
+    ck_assert_int_eq(sph_query_create(level, &options, &q), SPH_OK);
+    sph_level_destroy(level);
+    return q;
+}
+
+static void random_direction(double d[3])
+{
+    double length;
+    do {
+        for (int k = 0; k < 3; ++k)
+            d[k] = between(-1, 1);
+        length = sph__norm(d);
+    } while (length > 1 || length < 0.1);
+    for (int k = 0; k < 3; ++k)
+        d[k] /= length;
+}
+
+/* Past the surface of a primitive, nearer and nearer; or anywhere. */
+static void random_move(const sph_query *q, sph__query_move *m)
+{
+    static const double OFF[] = {0, 1e-15, -1e-13, 1e-9, -1e-7, 1e-6, -1e-5, 1e-4, -1e-3};
+    const sph__primitive *p = &q->solid.primitives[below(q->primitive_count)];
+    double x[3], d[3], length = below(4) ? between(0.5, 3) : pow(10, between(-14, 0)), before = between(0, length);
+    sph__contact c;
+    m->radius = below(3) ? 0 : below(2) ? between(0, 0.1) : pow(10, between(-3, 2));
+    for (int k = 0; k < 3; ++k)
+        x[k] = between(-1, 1);
+    random_direction(d);
+    sph__primitive_closest(p, x, &c);
+    if (below(4) != 0) {
+        double off = OFF[below(9)], slope = sph__dot(d, c.normal);
+        if (below(4) == 0) /* along the edge, or nearly */
+            sph__add_scaled(p->edge[0].axis, between(-1e-2, 1e-2), d, d);
+        slope = sph__dot(d, c.normal) * (1 - (below(2) ? 0 : between(-1e-6, 1e-6)));
+        sph__add_scaled(d, -slope, c.normal, d);
+        sph__add_scaled(c.point, m->radius + off, c.normal, x);
+    }
+    for (int k = 0; k < 3; ++k) {
+        m->start[k] = x[k] - before * d[k];
+        m->way[k] = length * d[k];
+    }
+    m->tolerance = 1e-14 * (1 + m->radius);
+}
+
+/* The first t at which it touches; above 1: never. */
+static double first_touch(const sph__primitive *p, const sph__query_move *m)
+{
+    double t = 0;
+    for (int step = 0; step < 200 && t <= 1; ++step) {
+        double x[3], slope, distance;
+        sph__add_scaled(m->start, t, m->way, x);
+        distance = sph__primitive_slope(p, x, m->way, &slope) - m->radius;
+        if (distance <= m->tolerance) return t;
+        if (slope >= 0) return 2;
+        t -= distance / slope;
+    }
+    return 2;
+}
+
+static double largest(const double x[3])
+{
+    return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
+}
+
+static void make_rays(const sph_query *q)
+{
+    for (uint32_t i = 0; i < RAYS; ++i) {
+        do
+            random_move(q, &moves[i]); /* segments come cut to the solid's surroundings */
+        while (largest(moves[i].start) > 2 * (1 + moves[i].radius) ||
+               largest(moves[i].way) > 4 * (1 + moves[i].radius));
+        sph__query_ray_set(&rays[i], moves[i].start, moves[i].way, moves[i].radius + 2e-6 * (1 + moves[i].radius));
+        sph__query_ray_aim(&rays[i], moves[i].way, moves[i].radius);
+    }
+}
+
+static void ask_wave(const sph_query *q)
+{
+    static sph__query_wave wave;
+    static sph__query_pair pairs[RAYS + 1];
+    sph__query_wave_begin(&wave, RAYS, rays);
+    for (uint32_t i = 0; i < RAYS; ++i)
+        sph__query_wave_set(&wave, i, &rays[i]);
+    for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
+        const uint32_t count = sph__query_wave_pairs(&wave, &q->bounds, q->parts, slot, pairs);
+        for (uint32_t i = 0; i < RAYS; ++i)
+            waves[slot][i] = SPH__QUERY_MISS;
+        for (uint32_t i = 0; i < count; ++i)
+            waves[slot][pairs[i].move] = (float)pairs[i].t;
+    }
+}
+
+/* What single rays are told; returns how many primitives they touch. */
+static size_t check_ray(const sph_query *q, uint16_t i, size_t *kept)
+{
+    uint32_t met[SPH__QUERY_CHUNK], count;
+    float entry[SPH__QUERY_CHUNK];
+    double bounds[SLOTS];
+    sph__query_pair pairs[SLOTS + 1];
+    size_t hits = 0;
+    for (uint32_t slot = 0; slot < q->primitive_count; ++slot)
+        bounds[slot] = SPH__QUERY_MISS;
+    count = sph__query_kernel_meet(&q->bounds, 0, q->primitive_count, &rays[i], met, entry);
+    for (uint32_t k = 0; k < count; ++k)
+        pairs[k] = (sph__query_pair){.t = entry[k], .slot = met[k], .move = i};
+    count = sph__query_fan_enter(q->fans, rays, pairs, count, 1);
+    count = sph__query_parts_touch(q->parts, rays, pairs, count);
+    for (uint32_t k = 0; k < count; ++k)
+        bounds[pairs[k].slot] = pairs[k].t;
+    for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
+        const double t = first_touch(&q->solid.primitives[slot], &moves[i]);
+        if (bounds[slot] <= 1) ck_assert_double_eq(bounds[slot], waves[slot][i]);
+        if (t > 1) continue;
+        ck_assert_msg(bounds[slot] <= t, "touches at %.17g, but not before %.17g", t, bounds[slot]);
+        ++hits;
+    }
+    *kept += count;
+    return hits;
+}
+
+START_TEST(a_bound_never_loses_a_hit_nor_begins_after_it)
+{
+    size_t hits = 0, kept = 0;
+    for (int turn = 0; turn < SOLIDS; ++turn) {
+        sph_query *q = random_query(SCALES[_i], SPH_SEARCH_EXHAUSTIVE);
+        ck_assert_uint_le(q->primitive_count, SLOTS);
+        make_rays(q);
+        ask_wave(q);
+        for (uint16_t i = 0; i < RAYS; ++i)
+            hits += check_ray(q, i, &kept);
+        sph_query_destroy(q);
+    }
+    ck_assert_uint_gt(hits, (size_t)SOLIDS * RAYS);
+    ck_assert_uint_lt(kept, 2 * hits); /* bounds that keep everything would be of no use */
+}
+END_TEST
+
+/* The first hit of all lies between those of a ray a little thicker and a little thinner than one. */
+START_TEST(the_first_hit_is_that_of_the_search_without_bounds)
+{
+    size_t hits = 0, open = 0;
+    for (int turn = 0; turn < SOLIDS / 2; ++turn) {
+        sph_query *q = random_query(SCALES[_i], turn % 2 ? SPH_SEARCH_TREE : SPH_SEARCH_EXHAUSTIVE);
+        make_rays(q);
+        for (uint32_t i = 0; i < RAYS; ++i) {
+            double to[3], t, first = 2, last = 2;
+            sph__query_move thick = moves[i], thin;
+            const double slack = 1e-9 / sph__norm(moves[i].way);
+            bool hit;
+            for (int k = 0; k < 3; ++k) { /* as it is handed on */
+                to[k] = moves[i].start[k] + moves[i].way[k];
+                thick.way[k] = to[k] - moves[i].start[k];
+            }
+            thick.radius = 1e-12;
+            thin = thick;
+            thin.radius = -1e-12;
+            for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
+                first = fmin(first, first_touch(&q->solid.primitives[slot], &thick));
+                last = fmin(last, first_touch(&q->solid.primitives[slot], &thin));
+            }
+            hit = sph__query_cast_frame(q, moves[i].start, to, &t);
+            if (hit)
+                ck_assert_msg(t >= first - slack && t <= last + slack, "at %g, not between %g and %g", t, first, last);
+            else
+                ck_assert_msg(last > 1, "lost a hit at %.17g", last);
+            hits += hit;
+            open += !hit;
+        }
+        sph_query_destroy(q);
+    }
+    ck_assert_uint_gt(hits, 1000);
+    ck_assert_uint_gt(open, 1000);
+}
+END_TEST
+
+static void setup(void)
+{
+    context = test_context();
+    state = 20160301;
+}
+
+static void teardown(void)
+{
+    sph_context_destroy(context);
+}
+
+int main(void)
+{
+    enum { SCALE_COUNT = sizeof SCALES / sizeof *SCALES };
+    Suite *s = suite_create("query_parts");
+    TCase *tc = tcase_create("query_parts");
+    SRunner *runner;
+    int failed;
+    tcase_add_checked_fixture(tc, setup, teardown);
+    tcase_set_timeout(tc, 60);
+    tcase_add_loop_test(tc, a_bound_never_loses_a_hit_nor_begins_after_it, 0, SCALE_COUNT);
+    tcase_add_loop_test(tc, the_first_hit_is_that_of_the_search_without_bounds, 0, SCALE_COUNT);
+    suite_add_tcase(s, tc);
+    runner = srunner_create(s);
+    srunner_run_all(runner, CK_ENV);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}
