@@ -41,7 +41,7 @@ class InFolder(Case):
 
 class Demo(InFolder):
     def test_the_demo_leaves_what_it_says(self):
-        names = {"creature.obj", "creature.pc2", "creature.sphm", "creature-qem.sphm"}
+        names = {"creature.obj", "creature.pc2", "creature.sphm", "creature-qem.sphm", "creature-rig.glb"}
         names |= {f"{m}-{k}.{e}" for m, k, e in
                   itertools.product(("level", "qem"), (60, 40, 20, 10), ("json", "obj"))}
         self.assertLessEqual(names, set(os.listdir(FOLDER)))
