@@ -43,3 +43,9 @@ done
 # a pose that the animation does not have, made by moving spheres
 "$new_pose" creature.obj creature.pc2 posed.obj posed.json
 render posed.obj posed.json --size 300x240 -o "$docs/new_pose.png"
+
+# a rig: its weights, and the input and the reconstruction in the frame where they differ most
+worst=$("$program" skin "${creature[@]}" --spheres 22 -o rig.glb --json --quiet | sed -n 's/^  "max_frame": *\([0-9]*\).*/\1/p')
+render "${creature[@]}" --bones rig.glb --size 300x240 --frames 7:32:12 -o "$docs/bones.png"
+render "${creature[@]}" --size 300x240 --frames "$worst" -o "$docs/rig-input.png"
+render rig.glb --size 300x240 --frames "$worst" -o "$docs/rig.png"

@@ -20,6 +20,7 @@ static const char HELP[] = "Draws levels and meshes. Spheres are red, edges yell
                            "  -o, --output OUT.png        where the picture goes\n"
                            "      --levels K,K,...        levels of a hierarchy given as LEVEL\n"
                            "      --overlay INPUT         draw this mesh as of glass over the levels\n"
+                           "      --bones RIG.glb         colour INPUT by the bones of this rig of it\n"
                            "      --frames A:B:STEP       the frames to draw (the first only)\n"
                            "      --input-frames A:B:STEP frames of INPUT that levels were built from (all)\n"
                            "      --columns N             tiles in a row (the frames; else all)\n"
@@ -131,6 +132,8 @@ static int check_paths(const render_options *o, const arguments *paths)
         return usage_error("render", "--overlay: '%s' is a level; a mesh goes here", o->scene.overlay);
     if (o->scene.overlay != NULL && meshes.count == paths->count)
         return usage_error("render", "--overlay: there is no level to draw it over");
+    if (o->scene.bones != NULL && meshes.count == 0)
+        return usage_error("render", "--bones: there is no mesh to colour");
     if (meshes.count == 0 && o->scene.overlay == NULL)
         return o->scene.input.cache == NULL ? DONE
                                             : usage_error("render", "--cache: there is no mesh that it could move");
@@ -144,6 +147,7 @@ static int parse(render_options *o, int argc, char **argv, arguments *paths)
     const option table[] = {{"output", 'o', OPTION_TEXT, &o->output, 0, 0, NULL},
                             {"levels", 0, OPTION_TEXT, &o->levels, 0, 0, NULL},
                             {"overlay", 0, OPTION_TEXT, &o->scene.overlay, 0, 0, NULL},
+                            {"bones", 0, OPTION_TEXT, &o->scene.bones, 0, 0, NULL},
                             {"frames", 0, OPTION_FRAMES, &o->frames, 0, 0, NULL},
                             {"input-frames", 0, OPTION_FRAMES, &input->frames, 0, 0, NULL},
                             {"columns", 0, OPTION_COUNT, &o->columns, 1, MOST_TILES, NULL},

@@ -70,6 +70,7 @@ void figure_close(figure *f, sph_context *context)
     sph_animation_destroy(f->animation);
     sph_context_release(context, f->positions);
     sph_context_release(context, f->normals);
+    sph_context_release(context, f->colours);
     *f = (figure){0};
 }
 
@@ -188,10 +189,21 @@ static const double *level_colour(const figure *f, const sph_contact *c)
     return TRIANGLE;
 }
 
+static void mix_colours(const figure *f, const sph_contact *c, double colour[3])
+{
+    memset(colour, 0, 3 * sizeof *colour);
+    for (int i = 0; i < 3; ++i)
+        for (size_t k = 0; k < 3 && c->spheres[i] != SPH_NO_SPHERE; ++k)
+            colour[k] += c->weights[i] * f->colours[3 * (size_t)c->spheres[i] + k];
+}
+
 void figure_look(const figure *f, const sph_hit *hit, const double direction[3], figure_place *place)
 {
     memcpy(place->normal, hit->contact.normal, sizeof place->normal);
     if (f->animation != NULL) mesh_normal(f, &hit->contact, direction, place->normal);
     if (f->animation == NULL) face_eye(place->normal, direction);
-    memcpy(place->colour, f->animation != NULL ? MESH : level_colour(f, &hit->contact), sizeof place->colour);
+    if (f->colours != NULL)
+        mix_colours(f, &hit->contact, place->colour);
+    else
+        memcpy(place->colour, f->animation != NULL ? MESH : level_colour(f, &hit->contact), sizeof place->colour);
 }

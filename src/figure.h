@@ -14,6 +14,7 @@ typedef struct figure {
     uint32_t frame_count;
     const float *centers, *radii; /* of the pose; a mesh has no radii */
     float *positions, *normals;   /* of a mesh, in the pose */
+    float *colours;               /* of a mesh's vertices, linear, 3 each; NULL: all the same */
     double pen;                   /* how far from a sphere or edge its colour goes */
 } figure;
 
@@ -29,6 +30,8 @@ typedef struct figure_place {
  */
 sph_status figure_of_level(figure *f, sph_context *context, const sph_level *level, double line);
 sph_status figure_of_animation(figure *f, sph_context *context, sph_animation *animation, double line);
+/* Colours the vertices of a mesh by the bones that they follow, mixed by weight. The skin must have as many vertices. */
+sph_status figure_colour_by_bones(figure *f, sph_context *context, const sph_skin *skin);
 void figure_close(figure *f, sph_context *context);
 sph_status figure_pose(figure *f, uint32_t frame);
 /* What a ray in that direction sees where it has hit. */

@@ -193,6 +193,15 @@ static sph_status add_levels(session *s, const scene_options *o, scene *sc, cons
     return status;
 }
 
+static sph_status colour_by_bones(session *s, const char *path, figure *f)
+{
+    sph_io_rig *rig = NULL;
+    sph_status status = sph_io_open_rig(s->context, path, NULL, &rig);
+    if (status == SPH_OK) status = figure_colour_by_bones(f, s->context, sph_io_rig_skin(rig));
+    sph_io_rig_destroy(rig);
+    return status;
+}
+
 /* The input first, then levels in the order in which they were named. */
 static sph_status make_figures(session *s, const scene_options *o, sources *from, scene *sc)
 {
@@ -201,6 +210,7 @@ static sph_status make_figures(session *s, const scene_options *o, sources *from
     if (from->input != NULL) {
         status = figure_of_animation(&sc->figures[sc->figure_count++], s->context, from->input, line);
         from->input = NULL;
+        if (status == SPH_OK && o->bones != NULL) status = colour_by_bones(s, o->bones, &sc->figures[0]);
     }
     if (from->overlay != NULL && status == SPH_OK) {
         status = figure_of_animation(&sc->overlay, s->context, from->overlay, line);

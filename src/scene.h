@@ -13,6 +13,7 @@ typedef struct scene_options {
     uint32_t counts[SCENE_COUNTS]; /* of spheres, for hierarchies */
     size_t count_count;
     const char *overlay; /* NULL: none */
+    const char *bones;   /* a rig whose bones colour the input; NULL: none */
 } scene_options;
 
 typedef struct scene {

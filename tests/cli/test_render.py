@@ -267,6 +267,22 @@ class Clips(Drawing):
                                    delta=1.1)
 
 
+class Bones(Drawing):
+    def test_bones_colour_the_mesh_and_change_nothing_else(self):
+        hues = set()
+        plain = self.draw(*CREATURE, "--flat", "--frames", "2")
+        coloured = self.draw(*CREATURE, "--flat", "--frames", "2", "--bones", "creature-rig.glb")
+        for before, after in zip(plain, coloured):
+            for p, q in zip(before, after):
+                self.assertEqual(p == (255, 255, 255), q == (255, 255, 255))
+                if max(q) - min(q) > 40:
+                    hues.add((q.index(max(q)), q.index(min(q))))
+        self.assertEqual(len(hues), 6)  # every order of red, green and blue: bones are told apart
+        self.refuses(1, "do not belong together", "square.obj", "--bones", "creature-rig.glb")
+        self.refuses(2, "no mesh to colour", "ball.json", "--bones", "creature-rig.glb")
+        self.refuses(1, "missing.glb", "square.obj", "--bones", "missing.glb")
+
+
 class Refusals(Drawing):
     def test_a_picture_that_cannot_be_written_is_named(self):
         done = run("render", "ball.json", "-o", "none/r.png", cwd=FOLDER)
