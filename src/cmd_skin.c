@@ -24,10 +24,11 @@ static const char HELP[] = "Rigs an animated mesh: a skinned, animated glTF whos
                            "      --mode M                mixed: smooth weights, learned from the animation\n"
                            "                              where it tells; animation: of least error;\n"
                            "                              geometric: by the rest pose alone (mixed)\n"
-                           "      --rounds N              most rounds (30)\n"
+                           "      --rounds N              most rounds (60 for animation, else 30)\n"
                            "      --tolerance X           stop when a round gains less than this (0.001)\n"
                            "      --max-error PCT         stop at an RMSE of PCT % of the diagonal\n"
                            "      --neighbourhood N       how many cells off a vertex's bones may be (1)\n"
+                           "      --uniform               all vertices count alike, not by area\n"
                            "      --clips NAME=A:B,...    frames as clips (those of a glTF; else one of all)\n"
                            "      --weights W             float, u8 or u16 (float)\n"
                            "      --root R                center, heaviest, or the number of a bone (center)\n"
@@ -47,7 +48,7 @@ typedef struct skin_options {
     rigging_options rig;
     const char *output, *clips, *root;
     int mode, weights;
-    bool flat, single_root;
+    bool flat, single_root, uniform;
 } skin_options;
 
 static int read_root(skin_options *o)
@@ -79,6 +80,7 @@ static int check(skin_options *o, const arguments *paths)
     if (level != NULL && !name_ends(level, ".json") && !name_ends(level, ".sphm"))
         return usage_error("skin", "--level: '%s' does not end in .json or .sphm", level);
     o->rig.skin.mode = o->mode;
+    o->rig.skin.flags = o->uniform ? SPH_SKIN_UNIFORM : 0;
     o->rig.joints.layout = o->flat ? SPH_SKELETON_FLAT : SPH_SKELETON_TREE;
     o->rig.joints.single_root = o->single_root;
     o->rig.file.weights = o->weights;
@@ -100,6 +102,7 @@ static int parse(skin_options *o, int argc, char **argv, arguments *paths)
                             {"clips", 0, OPTION_TEXT, &o->clips, 0, 0, NULL},
                             {"weights", 0, OPTION_CHOICE, &o->weights, 0, 0, weight_choices},
                             {"root", 0, OPTION_TEXT, &o->root, 0, 0, NULL},
+                            {"uniform", 0, OPTION_FLAG, &o->uniform, 0, 0, NULL},
                             {"flat", 0, OPTION_FLAG, &o->flat, 0, 0, NULL},
                             {"single-root", 0, OPTION_FLAG, &o->single_root, 0, 0, NULL},
                             INPUT_OPTIONS(o->input),

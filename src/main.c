@@ -81,14 +81,21 @@ static int unknown_command(const char *name)
     return usage_error(NULL, "unknown command '%s' (did you mean '%s'?)", name, close);
 }
 
+static int no_command(void)
+{
+    char list[16 * COMMAND_COUNT] = "";
+    size_t length = 0;
+    for (size_t i = 0; i < COMMAND_COUNT && length < sizeof list; ++i)
+        length += (size_t)snprintf(list + length, sizeof list - length, "%s, ", COMMANDS[i]->name);
+    return usage_error(NULL, "no command; there are %shelp", list);
+}
+
 static int run(int argc, char **argv)
 {
     const subcommand *c;
     const char *word = argc > 1 ? argv[1] : "";
     if (argc < 2)
-        return usage_error(
-            NULL,
-            "no command; there are build, info, level, measure, convert, surface, cast, export, skin, demo and help");
+        return no_command();
     if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
         const unsigned v = sph_version();
         printf("sphmesh %u.%u.%u\n", v / 1000000, v / 1000 % 1000, v % 1000);

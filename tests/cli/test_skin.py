@@ -171,6 +171,11 @@ class Skin(Case):
         self.assertEqual(Rig("root.glb").doc["scenes"][0]["nodes"][0], 7)
         self.skin("--level", "level-10.json", "--root", "heaviest", output="root.glb")
 
+    def test_vertices_that_count_alike_are_nearer_on_the_whole(self):
+        errors = [self.json("skin", *INPUT, "--spheres", 12, "--mode", "animation", *how, "-o", "uniform.glb",
+                            cwd=FOLDER)["rmse"] for how in ((), ("--uniform",))]
+        self.assertLess(errors[1], errors[0])
+
     def test_the_table_has_a_row_per_clip(self):
         text = self.succeeds("skin", *INPUT, "--level", "level-10.json", "--mode", "geometric", "--clips", "a=:3,b=3:",
                              "-o", "text.glb", cwd=FOLDER).stdout
