@@ -11,7 +11,6 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 HEADERS = ROOT / "include" / "sphmesh"
-IO_HEADERS = {"io.h", "spill.h"}
 # Reached from a library, these would print, end the process, or be state that all its users share.
 BANNED = {"printf", "puts", "putchar", "perror", "exit", "_exit", "_Exit", "quick_exit", "abort", "__assert_fail",
           "__printf_chk", "stdout", "stderr", "stdin", "rand", "srand", "setlocale", "atexit", "signal", "system"}
@@ -25,10 +24,9 @@ def run(*command):
 def promised(io):
     names = set()
     for header in HEADERS.glob("*.h"):
-        if (header.name in IO_HEADERS) == io:
-            text = re.sub(r"/\*.*?\*/", "", header.read_text(), flags=re.S)
-            names |= set(re.findall(r"\bSPH_API\b[^;]*?\b(sph_\w+)\s*\(", text))
-    return names
+        text = re.sub(r"/\*.*?\*/", "", header.read_text(), flags=re.S)
+        names |= set(re.findall(r"\bSPH_API\b[^;]*?\b(sph_\w+)\s*\(", text))
+    return {name for name in names if name.startswith("sph_io_") == io}
 
 
 def exported(library):

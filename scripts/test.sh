@@ -215,6 +215,7 @@ if wanted sanitize; then
     say "address and undefined behaviour sanitizers"
     export ASAN_OPTIONS=abort_on_error=0:allocator_may_return_null=1
     export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+    export CK_FORK=no # one search for leaks per program, not per test: it takes longer than most tests
     build sanitize -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 &&
         run sanitize --timeout-multiplier 4 --no-suite interrupt --no-suite long --no-suite reference
 fi
