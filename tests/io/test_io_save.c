@@ -392,5 +392,6 @@ int main(void)
     tcase_add_test(tc, a_failing_source_leaves_the_old_mdd_too);
     tcase_add_loop_test(tc, a_surface_comes_back_from_obj_ply_and_glb, 0, 3);
     tcase_add_test(tc, arguments_are_checked);
+    setenv("CK_FORK", "yes", 1); /* whatever the caller's: limits of the process are set */
     return run_suite(suite_create("io writers"), tc);
 }
