@@ -192,12 +192,13 @@ fi
 
 if wanted clang; then
     say "clang"
-    CC=clang CXX=clang++ build clang && run clang --no-suite interrupt
+    CC=clang CXX=clang++ build clang && run clang --no-suite interrupt --no-suite long
 fi
 
 if wanted portable; then
     say "portable: without vector kernels, release optimisation, assertions of the tests on"
-    build portable -Dsimd=disabled -Doptimization=3 && run portable --no-suite io --no-suite cli
+    build portable -Dsimd=disabled -Doptimization=3 -Dbenches=disabled &&
+        run portable --no-suite io --no-suite cli --no-suite long
 fi
 
 if wanted gcc; then
@@ -216,14 +217,14 @@ if wanted sanitize; then
     export ASAN_OPTIONS=abort_on_error=0:allocator_may_return_null=1
     export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
     export CK_FORK=no # one search for leaks per program, not per test: it takes longer than most tests
-    build sanitize -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 &&
+    build sanitize -Dbenches=disabled -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 &&
         run sanitize --timeout-multiplier 4 --no-suite interrupt --no-suite long --no-suite reference
 fi
 
 if wanted threads; then
     say "thread sanitizer"
     export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
-    if build threads -Db_sanitize=thread -Db_lundef=false -Doptimization=1; then
+    if build threads -Dbenches=disabled -Db_sanitize=thread -Db_lundef=false -Doptimization=1; then
         run threads --timeout-multiplier 4 --suite threads
         check "the program's threads do not race" "$work/threads/src/sphmesh" demo --quiet --resolution 32 \
             --frame-count 4 --samples 100 --threads 4 -o "$work/race"
