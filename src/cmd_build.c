@@ -50,7 +50,6 @@ static const char HELP[] = "Builds the hierarchy of animated sphere-meshes of an
 typedef struct build_options {
     common_options common;
     input_options input;
-    memory_options memory;
     const char *output;
     bool weld;
     int importance, radius;
@@ -76,7 +75,7 @@ static int parse(build_options *b, int argc, char **argv, arguments *paths)
                             {"radius-factor", 0, OPTION_NUMBER, &b->radius_factor, 0, 1e30, NULL},
                             {"temporal-coherence", 0, OPTION_NUMBER, &b->temporal_coherence, 0, 1e30, NULL},
                             {"width-directions", 0, OPTION_COUNT, &b->width_directions, 3, 1024, NULL},
-                            MEMORY_OPTIONS(b->memory),
+                            MEMORY_OPTIONS(b->common.memory),
                             COMMON_OPTIONS(b->common)};
     int result;
     sph_hierarchy_options_init(&defaults, sizeof defaults);
@@ -90,7 +89,7 @@ static int parse(build_options *b, int argc, char **argv, arguments *paths)
     if (result != DONE || b->common.help) return result;
     result = input_check("build", &b->input, paths);
     if (result != DONE) return result;
-    if (b->memory.folder != NULL && b->memory.limit == 0)
+    if (b->common.memory.folder != NULL && b->common.memory.limit == 0)
         return usage_error("build", "--temporary-folder: it goes with --memory-limit");
     if (b->output == NULL) return usage_error("build", "-o is missing: where should the hierarchy go?");
     if (!name_ends(b->output, ".sphm")) return usage_error("build", "-o: '%s' does not end in .sphm", b->output);
@@ -184,8 +183,9 @@ static void print_summary(const build_options *b, const sph_hierarchy *h, const 
                b->weld ? "" : "; --weld joins those that touch at seams");
 }
 
-static int build(session *s, const build_options *b, const arguments *paths)
+static int build(session *s, const void *options, const arguments *paths)
 {
+    const build_options *b = options;
     build_figures figures = {0};
     sph_animation *animation = NULL;
     sph_hierarchy *hierarchy = NULL;
@@ -216,16 +216,7 @@ static int run(int argc, char **argv)
 {
     build_options b;
     arguments paths;
-    session s;
-    int result = parse(&b, argc, argv, &paths);
-    if (result == DONE && b.common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open_limited(&s, &b.common, &b.memory)) == DONE) {
-        result = build(&s, &b, &paths);
-        session_close(&s);
-    }
-    free(paths.items);
-    return result;
+    return session_run(parse(&b, argc, argv, &paths), &build_command, &b.common, build, &b, &paths);
 }
 
 const subcommand build_command = {"build", "make the hierarchy of an animated mesh", HELP, run};

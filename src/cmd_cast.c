@@ -229,26 +229,24 @@ static int cast_at(session *s, const cast_options *o, const char *path, const sp
     return result;
 }
 
+static int cast(session *s, const void *options, const arguments *paths)
+{
+    const cast_options *o = options;
+    sweep_list read = {0};
+    sph_level *level = NULL;
+    int result = load_level(s, paths->items[0], &level);
+    if (result == DONE) result = read_sweeps(o, &read);
+    if (result == DONE) result = cast_at(s, o, paths->items[0], level, &read);
+    sph_level_destroy(level);
+    free(read.items);
+    return result;
+}
+
 static int run(int argc, char **argv)
 {
     cast_options o;
     arguments paths;
-    session s;
-    sweep_list read = {0};
-    sph_level *level = NULL;
-    int result = parse(&o, argc, argv, &paths);
-    if (result == DONE && o.common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open(&s, &o.common)) == DONE) {
-        result = load_level(&s, paths.items[0], &level);
-        if (result == DONE) result = read_sweeps(&o, &read);
-        if (result == DONE) result = cast_at(&s, &o, paths.items[0], level, &read);
-        sph_level_destroy(level);
-        session_close(&s);
-    }
-    free(read.items);
-    free(paths.items);
-    return result;
+    return session_run(parse(&o, argc, argv, &paths), &cast_command, &o.common, cast, &o, &paths);
 }
 
 const subcommand cast_command = {"cast", "cast rays and moving spheres at a level", HELP, run};

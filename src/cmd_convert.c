@@ -117,8 +117,9 @@ static void print_json(const convert_options *c, const sph_animation *animation)
     json_finish(&j);
 }
 
-static int convert(session *s, const convert_options *c, const arguments *paths)
+static int convert(session *s, const void *options, const arguments *paths)
 {
+    const convert_options *c = options;
     sph_animation *animation = NULL;
     int result = DONE;
     sph_status status = open_input(s, c, paths, &animation);
@@ -147,17 +148,9 @@ static int run(int argc, char **argv)
 {
     convert_options c;
     arguments paths;
-    session s;
-    int result = parse(&c, argc, argv, &paths);
-    if (result == DONE && c.common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open(&s, &c.common)) == DONE) {
-        result = convert(&s, &c, &paths);
-        session_close(&s);
-    }
+    const int result = session_run(parse(&c, argc, argv, &paths), &convert_command, &c.common, convert, &c, &paths);
     free(c.mesh);
     free(c.cache);
-    free(paths.items);
     return result;
 }
 

@@ -246,8 +246,9 @@ static void print_json(const demo *d)
     json_finish(&j);
 }
 
-static int make_demo(session *s, const demo_options *o)
+static int show_all(session *s, const void *options, const arguments *paths)
 {
+    const demo_options *o = options;
     demo d = {.s = s,
               .o = o,
               .methods = {{.label = "sphere-mesh",
@@ -258,7 +259,10 @@ static int make_demo(session *s, const demo_options *o)
                            .hierarchy_name = "creature-qem.sphm",
                            .level_name = "qem",
                            .radius_mode = SPH_RADIUS_ZERO}}};
-    int result = make_folder(o->folder);
+    int result;
+    if (paths->count > 0)
+        return usage_error("demo", "'%s' is one argument too many; the folder goes after -o", paths->items[0]);
+    result = make_folder(o->folder);
     if (result == DONE) result = make_creature(&d);
     for (int k = 0; result == DONE && k < 2; ++k)
         result = run_method(&d, &d.methods[k]);
@@ -281,18 +285,7 @@ static int run(int argc, char **argv)
         {"samples", 0, OPTION_COUNT, &o.samples, 1, 100000000, NULL},
         COMMON_OPTIONS(o.common)};
     arguments rest;
-    session s;
-    int result = options_parse("demo", table, argc, argv, &rest);
-    if (result == DONE && o.common.help)
-        fputs(HELP, stdout);
-    else if (result == DONE && rest.count > 0)
-        result = usage_error("demo", "'%s' is one argument too many; the folder goes after -o", rest.items[0]);
-    else if (result == DONE && (result = session_open(&s, &o.common)) == DONE) {
-        result = make_demo(&s, &o);
-        session_close(&s);
-    }
-    free(rest.items);
-    return result;
+    return session_run(options_parse("demo", table, argc, argv, &rest), &demo_command, &o.common, show_all, &o, &rest);
 }
 
 const subcommand demo_command = {"demo", "show it all on a built-in animated creature", HELP, run};

@@ -278,8 +278,10 @@ static void print_summary(const export_options *o, const outcome *out)
         printf("wrote:      %u files for %s\n", out->files, o->output);
 }
 
-static int export_level(session *s, const export_options *o, const char *path)
+static int export_level(session *s, const void *options, const arguments *paths)
 {
+    const export_options *o = options;
+    const char *path = paths->items[0];
     outcome out = {.before = {.struct_size = sizeof out.before},
                    .after = {.struct_size = sizeof out.after},
                    .inflation = {.struct_size = sizeof out.inflation},
@@ -322,16 +324,7 @@ static int run(int argc, char **argv)
 {
     export_options o;
     arguments paths;
-    session s;
-    int result = parse(&o, argc, argv, &paths);
-    if (result == DONE && o.common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open(&s, &o.common)) == DONE) {
-        result = export_level(&s, &o, paths.items[0]);
-        session_close(&s);
-    }
-    free(paths.items);
-    return result;
+    return session_run(parse(&o, argc, argv, &paths), &export_command, &o.common, export_level, &o, &paths);
 }
 
 const subcommand export_command = {"export", "write a level for other tools", HELP, run};

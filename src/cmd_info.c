@@ -229,8 +229,9 @@ static int info_cache(const session *s, const char *path, const sph_io_descripti
     return DONE;
 }
 
-static int info(session *s, const input_options *input, const arguments *paths)
+static int info(session *s, const void *options, const arguments *paths)
 {
+    const input_options *input = options;
     sph_io_description d = {.struct_size = sizeof d};
     const char *path = paths->items[0];
     int32_t kind = 0;
@@ -250,18 +251,10 @@ static int run(int argc, char **argv)
     common_options common = {0};
     input_options input = INPUT_DEFAULTS;
     arguments paths;
-    session s;
     const option table[] = {INPUT_OPTIONS(input), COMMON_OPTIONS(common)};
-    int result = options_parse("info", table, argc, argv, &paths);
-    if (result == DONE && common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = input_check("info", &input, &paths)) == DONE &&
-               (result = session_open(&s, &common)) == DONE) {
-        result = info(&s, &input, &paths);
-        session_close(&s);
-    }
-    free(paths.items);
-    return result;
+    int parsed = options_parse("info", table, argc, argv, &paths);
+    if (parsed == DONE && !common.help) parsed = input_check("info", &input, &paths);
+    return session_run(parsed, &info_command, &common, info, &input, &paths);
 }
 
 const subcommand info_command = {"info", "tell what a file is and what deserves attention", HELP, run};

@@ -190,8 +190,10 @@ static int write_level(session *s, const level_options *l, const sph_hierarchy *
     return result;
 }
 
-static int level(session *s, const level_options *l, const char *path)
+static int level(session *s, const void *options, const arguments *paths)
 {
+    const level_options *l = options;
+    const char *path = paths->items[0];
     sph_hierarchy *hierarchy = NULL;
     uint32_t count;
     int result;
@@ -211,16 +213,7 @@ static int run(int argc, char **argv)
 {
     level_options l;
     arguments paths;
-    session s;
-    int result = parse(&l, argc, argv, &paths);
-    if (result == DONE && l.common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open(&s, &l.common)) == DONE) {
-        result = level(&s, &l, paths.items[0]);
-        session_close(&s);
-    }
-    free(paths.items);
-    return result;
+    return session_run(parse(&l, argc, argv, &paths), &level_command, &l.common, level, &l, &paths);
 }
 
 const subcommand level_command = {"level", "take one level of detail out of a hierarchy", HELP, run};

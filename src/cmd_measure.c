@@ -153,23 +153,21 @@ static int measure_level(session *s, const measure_options *m, const arguments *
     return result;
 }
 
+static int measure(session *s, const void *options, const arguments *paths)
+{
+    const measure_options *m = options;
+    sph_level *level = NULL;
+    int result = load_level(s, m->level, &level);
+    if (result == DONE) result = measure_level(s, m, paths, level);
+    sph_level_destroy(level);
+    return result;
+}
+
 static int run(int argc, char **argv)
 {
     measure_options m;
     arguments paths;
-    session s;
-    sph_level *level = NULL;
-    int result = parse(&m, argc, argv, &paths);
-    if (result == DONE && m.common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open(&s, &m.common)) == DONE) {
-        result = load_level(&s, m.level, &level);
-        if (result == DONE) result = measure_level(&s, &m, &paths, level);
-        sph_level_destroy(level);
-        session_close(&s);
-    }
-    free(paths.items);
-    return result;
+    return session_run(parse(&m, argc, argv, &paths), &measure_command, &m.common, measure, &m, &paths);
 }
 
 const subcommand measure_command = {"measure", "measure a level against the mesh that it was made from", HELP, run};

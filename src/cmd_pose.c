@@ -213,8 +213,10 @@ static void print_text(const pose_options *o, const posing *p)
     putchar('\n');
 }
 
-static int pose(session *s, const pose_options *o, const char *path)
+static int pose(session *s, const void *options, const arguments *paths)
 {
+    const pose_options *o = options;
+    const char *path = paths->items[0];
     posing p = {.rig = NULL};
     int result = DONE;
     sph_status status;
@@ -242,17 +244,9 @@ static int run(int argc, char **argv)
 {
     pose_options o;
     arguments paths;
-    session s;
-    int result = parse(&o, argc, argv, &paths);
-    if (result == DONE && o.common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open(&s, &o.common)) == DONE) {
-        result = pose(&s, &o, paths.items[0]);
-        session_close(&s);
-    }
+    const int result = session_run(parse(&o, argc, argv, &paths), &pose_command, &o.common, pose, &o, &paths);
     free(o.mesh);
     free(o.cache);
-    free(paths.items);
     return result;
 }
 

@@ -292,23 +292,21 @@ static int draw_all(session *s, const render_options *o, scene *sc)
     return result;
 }
 
+static int render(session *s, const void *options, const arguments *paths)
+{
+    const render_options *o = options;
+    scene sc;
+    int result = scene_open(s, &o->scene, paths, &sc);
+    if (result == DONE) result = draw_all(s, o, &sc);
+    scene_close(s, &sc);
+    return result;
+}
+
 static int run(int argc, char **argv)
 {
     render_options o;
     arguments paths;
-    scene sc;
-    session s;
-    int result = parse(&o, argc, argv, &paths);
-    if (result == DONE && o.common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open(&s, &o.common)) == DONE) {
-        result = scene_open(&s, &o.scene, &paths, &sc);
-        if (result == DONE) result = draw_all(&s, &o, &sc);
-        scene_close(&s, &sc);
-        session_close(&s);
-    }
-    free(paths.items);
-    return result;
+    return session_run(parse(&o, argc, argv, &paths), &render_command, &o.common, render, &o, &paths);
 }
 
 const subcommand render_command = {"render", "draw levels and meshes as a picture", HELP, run};

@@ -190,8 +190,9 @@ static void print_json(const skin_options *o, const rigging *r)
     json_finish(&j);
 }
 
-static int skin(session *s, const skin_options *o, const arguments *paths)
+static int skin(session *s, const void *options, const arguments *paths)
 {
+    const skin_options *o = options;
     sph_animation *whole = NULL;
     clips c = {0};
     rigging r = {0};
@@ -217,16 +218,7 @@ static int run(int argc, char **argv)
 {
     skin_options o;
     arguments paths;
-    session s;
-    int result = parse(&o, argc, argv, &paths);
-    if (result == DONE && o.common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open(&s, &o.common)) == DONE) {
-        result = skin(&s, &o, &paths);
-        session_close(&s);
-    }
-    free(paths.items);
-    return result;
+    return session_run(parse(&o, argc, argv, &paths), &skin_command, &o.common, skin, &o, &paths);
 }
 
 const subcommand skin_command = {"skin", "rig an animation: bones, weights and clips as glTF", HELP, run};

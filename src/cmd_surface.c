@@ -166,8 +166,10 @@ static int make_frames(session *s, const surface_options *o, const sph_level *le
     return status == SPH_OK ? DONE : session_fail(s, status, subject);
 }
 
-static int surface(session *s, const surface_options *o, const char *path)
+static int surface(session *s, const void *options, const arguments *paths)
 {
+    const surface_options *o = options;
+    const char *path = paths->items[0];
     made m = {0};
     sph_level *level = NULL;
     int result = load_level(s, path, &level);
@@ -186,16 +188,7 @@ static int run(int argc, char **argv)
 {
     surface_options o;
     arguments paths;
-    session s;
-    int result = parse(&o, argc, argv, &paths);
-    if (result == DONE && o.common.help) {
-        fputs(HELP, stdout);
-    } else if (result == DONE && (result = session_open(&s, &o.common)) == DONE) {
-        result = surface(&s, &o, paths.items[0]);
-        session_close(&s);
-    }
-    free(paths.items);
-    return result;
+    return session_run(parse(&o, argc, argv, &paths), &surface_command, &o.common, surface, &o, &paths);
 }
 
 const subcommand surface_command = {"surface", "make meshes of a level's outer surface", HELP, run};

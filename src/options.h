@@ -39,11 +39,18 @@ typedef struct arguments {
     size_t count;
 } arguments;
 
-/* Options that every command takes. */
+/* How much memory a command may have resident, and where the rest goes. */
+typedef struct memory_options {
+    uint64_t limit;     /* 0: as much as it wants */
+    const char *folder; /* NULL: $TMPDIR, else /var/tmp */
+} memory_options;
+
+/* Options that every command takes; `memory` stays 0 where a command's table lacks MEMORY_OPTIONS. */
 typedef struct common_options {
     bool help, json, quiet;
     int progress; /* one of PROGRESS_* */
     uint32_t threads;
+    memory_options memory;
 } common_options;
 
 enum { PROGRESS_AUTO, PROGRESS_BAR, PROGRESS_PLAIN, PROGRESS_JSON, PROGRESS_NONE };

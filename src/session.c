@@ -43,7 +43,18 @@ static int open_spill(session *s, const memory_options *memory, const sph_contex
     return status == SPH_OK ? DONE : failure("--memory-limit: %s", sph_context_last_message(s->plain));
 }
 
-int session_open_limited(session *s, const common_options *common, const memory_options *memory)
+static void session_close(session *s)
+{
+    progress_clear(&s->progress);
+    sph_context_destroy(s->context);
+    sph_io_spill_destroy(s->spill);
+    sph_context_destroy(s->plain);
+    s->context = s->plain = NULL;
+    s->spill = NULL;
+}
+
+/* DONE, or FAILED after it has said why. */
+static int session_open(session *s, const common_options *common)
 {
     sph_context_options o;
     sph_status status;
@@ -56,8 +67,8 @@ int session_open_limited(session *s, const common_options *common, const memory_
     o.progress_user = s;
     o.log = log_message;
     o.log_user = s;
-    if (memory != NULL && memory->limit != 0) {
-        if (open_spill(s, memory, &o) != DONE) {
+    if (common->memory.limit != 0) {
+        if (open_spill(s, &common->memory, &o) != DONE) {
             session_close(s);
             return FAILED;
         }
@@ -70,19 +81,20 @@ int session_open_limited(session *s, const common_options *common, const memory_
     return failure("cannot start: %s", sph_status_text(status));
 }
 
-int session_open(session *s, const common_options *common)
+int session_run(int parsed, const subcommand *command, const common_options *common, session_work *work,
+                const void *options, arguments *paths)
 {
-    return session_open_limited(s, common, NULL);
-}
-
-void session_close(session *s)
-{
-    progress_clear(&s->progress);
-    sph_context_destroy(s->context);
-    sph_io_spill_destroy(s->spill);
-    sph_context_destroy(s->plain);
-    s->context = s->plain = NULL;
-    s->spill = NULL;
+    session s;
+    int result = parsed;
+    if (result == DONE && common->help) {
+        fputs(command->help, stdout);
+    } else if (result == DONE && (result = session_open(&s, common)) == DONE) {
+        result = work(&s, options, paths);
+        session_close(&s);
+    }
+    free(paths->items);
+    *paths = (arguments){0};
+    return result;
 }
 
 int session_fail(session *s, sph_status status, const char *subject)

@@ -6,6 +6,7 @@
 #include <sphmesh/io.h>
 
 #include "options.h"
+#include "program.h"
 #include "progress.h"
 
 typedef struct session {
@@ -16,22 +17,20 @@ typedef struct session {
     bool quiet, json;
 } session;
 
-/* How much memory a command may have resident, and where the rest goes. */
-typedef struct memory_options {
-    uint64_t limit;     /* 0: as much as it wants */
-    const char *folder; /* NULL: $TMPDIR, else /var/tmp */
-} memory_options;
-
 #define MEMORY_OPTIONS(memory)                                                                                         \
     {"memory-limit", 0, OPTION_SIZE, &(memory).limit, (double)SPH_IO_SPILL_LEAST, 0, NULL},                            \
     {                                                                                                                  \
         "temporary-folder", 0, OPTION_TEXT, &(memory).folder, 0, 0, NULL                                               \
     }
 
-/* DONE, or FAILED after it has said why. `memory` may be NULL: no limit. */
-int session_open(session *s, const common_options *common);
-int session_open_limited(session *s, const common_options *common, const memory_options *memory);
-void session_close(session *s);
+/* What a command does with its own options (the `work` and `options` of session_run) while a session is open. */
+typedef int session_work(session *s, const void *options, const arguments *paths);
+/*
+ * All that a command does once its options are read: where `parsed` is DONE, prints its help if that was asked for, or
+ * opens a session, does the work and closes it. Frees the paths in any case. Returns how the command ends.
+ */
+int session_run(int parsed, const subcommand *command, const common_options *common, session_work *work,
+                const void *options, arguments *paths);
 /* Tells of a library call that failed (or that Ctrl-C stopped); `subject` is a file or NULL. Returns FAILED. */
 int session_fail(session *s, sph_status status, const char *subject);
 
