@@ -6,6 +6,7 @@
 #ifndef SPH_IO_ALEMBIC_H
 #define SPH_IO_ALEMBIC_H
 
+#include "io/affine.h"
 #include "io/io.h"
 
 #define SPH__ABC_NONE UINT32_MAX
@@ -164,11 +165,6 @@ void sph__abc_frames_release(const sph__abc_file *f, sph__abc_frames *frames);
 
 /* --- transforms (alembic_xform.c) --- */
 
-/* The upper three rows of an affine matrix, row by row. */
-typedef struct sph__abc_matrix {
-    double m[12];
-} sph__abc_matrix;
-
 typedef struct sph__abc_xform {
     uint32_t object, parent; /* the transform above it in the list; SPH__ABC_NONE: none */
     sph__abc_bytes ops;
@@ -177,15 +173,13 @@ typedef struct sph__abc_xform {
     bool roots;     /* it takes nothing from what is above it */
     bool switches;  /* it does so in some samples */
     bool placement; /* shared by all, the same in all frames, and left out */
-    sph__abc_matrix global;
+    sph__io_affine global;
 } sph__abc_xform;
 
 sph_status sph__abc_read_xform(sph__abc_file *f, const sph__abc_objects *objects, uint32_t object, sph__abc_xform *x);
 bool sph__abc_xform_moves(const sph__abc_xform *x);
 /* Sets the global matrix of each; parents come first. */
 sph_status sph__abc_pose(const sph__abc_file *f, sph__abc_xform *xforms, size_t count, double time);
-bool sph__abc_is_identity(const sph__abc_matrix *m);
-double sph__abc_determinant(const sph__abc_matrix *m);
 
 /* --- meshes (alembic_mesh.c) --- */
 
@@ -202,6 +196,6 @@ sph_status sph__abc_read_mesh(sph__abc_file *f, const sph__abc_objects *objects,
 sph_status sph__abc_read_faces(sph__abc_file *f, const sph__abc_objects *objects, sph__abc_mesh *m, sph__io_mesh *mesh);
 /* Its vertices at a time, moved by `matrix`. */
 sph_status sph__abc_read_positions(const sph__abc_file *f, const sph__abc_mesh *m, double time,
-                                   const sph__abc_matrix *matrix, float *xyz);
+                                   const sph__io_affine *matrix, float *xyz);
 
 #endif

@@ -149,7 +149,7 @@ static void copy_positions(const unsigned char *from, const unsigned char *to, d
 }
 
 sph_status sph__abc_read_positions(const sph__abc_file *f, const sph__abc_mesh *m, double time,
-                                   const sph__abc_matrix *matrix, float *xyz)
+                                   const sph__io_affine *matrix, float *xyz)
 {
     double share;
     const uint32_t sample = sph__abc_locate(f, &m->positions, time, &share);
@@ -162,7 +162,7 @@ sph_status sph__abc_read_positions(const sph__abc_file *f, const sph__abc_mesh *
     if (from.size != VERTEX_SIZE * m->vertex_count || to.size != from.size)
         return sph__abc_fail(f, m->positions.group.place, "positions that are not as they were: the file changed");
     copy_positions(from.p, to.p, share, 3 * m->vertex_count, xyz);
-    if (sph__abc_is_identity(matrix)) return SPH_OK; /* bit for bit */
+    if (sph__io_is_identity(matrix)) return SPH_OK; /* bit for bit */
     for (size_t i = 0; i < m->vertex_count; ++i) {
         const double *r = matrix->m;
         const double x = (double)xyz[3 * i], y = (double)xyz[3 * i + 1], z = (double)xyz[3 * i + 2];

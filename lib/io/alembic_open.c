@@ -166,7 +166,7 @@ static sph_status turn_mirrored(sph__io_abc *a, sph__io_mesh *mesh)
     for (size_t i = 0; status == SPH_OK && i < a->mesh_count; ++i) {
         const sph__abc_mesh *m = &a->meshes[i];
         uint32_t *t = mesh->triangles + 3 * m->first_triangle;
-        if (m->xform == SPH__ABC_NONE || !(sph__abc_determinant(&a->xforms[m->xform].global) < 0)) continue;
+        if (m->xform == SPH__ABC_NONE || !(sph__io_determinant(a->xforms[m->xform].global.m) < 0)) continue;
         for (size_t k = 0; k < m->triangle_count; ++k, t += 3) {
             const uint32_t second = t[1];
             t[1] = t[2];
@@ -206,7 +206,7 @@ uint32_t sph__io_abc_frame_count(const sph__io_abc *a)
 
 sph_status sph__io_abc_read(sph__io_abc *a, uint32_t frame, float *xyz)
 {
-    static const sph__abc_matrix NO_MATRIX = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    static const sph__io_affine NO_MATRIX = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
     const double time = sph__abc_frame_time(&a->file, &a->frames, frame);
     sph_status status = sph__abc_pose(&a->file, a->xforms, a->xform_count, time);
     for (size_t i = 0; i < a->mesh_count && status == SPH_OK; ++i) {

@@ -11,51 +11,23 @@ enum { SCALE, TRANSLATE, ROTATE, MATRIX, ROTATE_X, ROTATE_Y, ROTATE_Z, OPERATION
 static const unsigned char VALUES[OPERATIONS] = {3, 3, 4, 16, 1, 1, 1};
 enum { OP_SHIFT = 4, SAMPLE_WORK = 16 };
 
-static const sph__abc_matrix IDENTITY = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
-
-bool sph__abc_is_identity(const sph__abc_matrix *m)
-{
-    for (int i = 0; i < 12; ++i)
-        if (m->m[i] != IDENTITY.m[i]) return false;
-    return true;
-}
-
-double sph__abc_determinant(const sph__abc_matrix *matrix)
-{
-    const double *m = matrix->m;
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
-           m[2] * (m[4] * m[9] - m[5] * m[8]);
-}
-
-static sph__abc_matrix multiply(const sph__abc_matrix *a, const sph__abc_matrix *b)
-{
-    sph__abc_matrix c;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 4; ++column) {
-            const double *r = a->m + (ptrdiff_t)4 * row;
-            c.m[4 * row + column] =
-                r[0] * b->m[column] + r[1] * b->m[4 + column] + r[2] * b->m[8 + column] + (column == 3 ? r[3] : 0);
-        }
-    return c;
-}
-
 /* Around an axis of any length, by degrees. */
-static sph__abc_matrix rotation(double x, double y, double z, double degrees)
+static sph__io_affine rotation(double x, double y, double z, double degrees)
 {
     const double length = sqrt(x * x + y * y + z * z), angle = degrees * (3.14159265358979323846 / 180);
     const double c = cos(angle), s = sin(angle), d = 1 - c;
-    if (!(length > 0)) return IDENTITY;
+    if (!(length > 0)) return sph__io_identity;
     x /= length;
     y /= length;
     z /= length;
-    return (sph__abc_matrix){{d * x * x + c, d * x * y - s * z, d * x * z + s * y, 0, d * x * y + s * z, d * y * y + c,
+    return (sph__io_affine){{d * x * x + c, d * x * y - s * z, d * x * z + s * y, 0, d * x * y + s * z, d * y * y + c,
                               d * y * z - s * x, 0, d * x * z - s * y, d * y * z + s * x, d * z * z + c, 0}};
 }
 
 /* Of one operation. Matrices are stored for rows of numbers from the left, so that they are transposed here. */
-static sph__abc_matrix operation(int kind, const double *v)
+static sph__io_affine operation(int kind, const double *v)
 {
-    sph__abc_matrix m = IDENTITY;
+    sph__io_affine m = sph__io_identity;
     switch (kind) {
     case SCALE:
         for (int i = 0; i < 3; ++i)
@@ -134,7 +106,7 @@ sph_status sph__abc_read_xform(sph__abc_file *f, const sph__abc_objects *objects
     const sph__abc_object *o = &objects->items[object];
     sph__abc_property schema;
     sph_status status;
-    *x = (sph__abc_xform){.object = object, .parent = SPH__ABC_NONE, .global = IDENTITY};
+    *x = (sph__abc_xform){.object = object, .parent = SPH__ABC_NONE, .global = sph__io_identity};
     if (!sph__abc_equals(o->schema, "AbcGeom_Xform_v3"))
         return sph__abc_fail_object(f, objects, object, SPH_E_UNSUPPORTED, "a transform of another version than 3");
     status = sph__abc_find(f, &o->properties, ".xform", &schema);
@@ -163,14 +135,14 @@ static void blend(const sph__abc_bytes samples[2], double share, size_t begin, u
     }
 }
 
-static sph_status local_matrix(const sph__abc_file *f, const sph__abc_xform *x, double time, sph__abc_matrix *out)
+static sph_status local_matrix(const sph__abc_file *f, const sph__abc_xform *x, double time, sph__io_affine *out)
 {
     sph__abc_bytes samples[2];
     double share, values[16];
     size_t place = 0;
     uint32_t sample;
     sph_status status;
-    *out = IDENTITY;
+    *out = sph__io_identity;
     if (x->values.kind == SPH__ABC_MISSING) return SPH_OK;
     sample = sph__abc_locate(f, &x->values, time, &share);
     status = sph__abc_sample(f, &x->values, sph__abc_stored(&x->values, sample), &samples[0]);
@@ -179,11 +151,11 @@ static sph_status local_matrix(const sph__abc_file *f, const sph__abc_xform *x, 
     if (status != SPH_OK) return status;
     for (size_t i = 0; i < x->ops.size; ++i) {
         const int kind = x->ops.p[i] >> OP_SHIFT;
-        sph__abc_matrix m;
+        sph__io_affine m;
         blend(samples, share, place, VALUES[kind], values);
         place += VALUES[kind];
         m = operation(kind, values);
-        *out = multiply(out, &m); /* the first one is applied to points last */
+        *out = sph__io_multiply(out, &m); /* the first one is applied to points last */
     }
     return SPH_OK;
 }
@@ -206,15 +178,15 @@ sph_status sph__abc_pose(const sph__abc_file *f, sph__abc_xform *xforms, size_t 
 {
     for (size_t i = 0; i < count; ++i) {
         sph__abc_xform *x = &xforms[i];
-        sph__abc_matrix local;
+        sph__io_affine local;
         bool below;
         sph_status status;
-        x->global = IDENTITY;
+        x->global = sph__io_identity;
         if (x->placement) continue;
         status = local_matrix(f, x, time, &local);
         if (status == SPH_OK) status = inherits(f, x, time, &below);
         if (status != SPH_OK) return status;
-        x->global = !below || x->parent == SPH__ABC_NONE ? local : multiply(&xforms[x->parent].global, &local);
+        x->global = !below || x->parent == SPH__ABC_NONE ? local : sph__io_multiply(&xforms[x->parent].global, &local);
     }
     return SPH_OK;
 }

@@ -3,6 +3,7 @@
 #ifndef SPH_IO_GLTF_H
 #define SPH_IO_GLTF_H
 
+#include "io/affine.h"
 #include "io/io.h"
 
 #define SPH__GLTF_NONE UINT32_MAX
@@ -124,12 +125,6 @@ void sph__gltf_accessor_integers(const sph__gltf_accessor *a, uint32_t i, uint32
 
 /* --- the scene (gltf_nodes.c, gltf_mesh.c) --- */
 
-/* The upper three rows of an affine matrix, row by row. */
-typedef struct sph__gltf_matrix {
-    double m[12];
-} sph__gltf_matrix;
-extern const sph__gltf_matrix sph__gltf_identity;
-
 enum { SPH__GLTF_TRANSLATION, SPH__GLTF_ROTATION, SPH__GLTF_SCALE, SPH__GLTF_WEIGHTS };
 enum { SPH__GLTF_STEP, SPH__GLTF_LINEAR, SPH__GLTF_CUBIC };
 
@@ -138,14 +133,14 @@ typedef struct sph__gltf_node {
     uint32_t mesh, skin;
     uint32_t first_weight, weight_count; /* of the mesh's morph targets */
     bool has_matrix;
-    sph__gltf_matrix matrix;
+    sph__io_affine matrix;
     double rest[10], now[10]; /* translation, rotation x y z w, scale */
 } sph__gltf_node;
 
 /* What moves vertices: a joint of a skin, or a node with a mesh that has none. */
 typedef struct sph__gltf_bone {
     uint32_t node;
-    sph__gltf_matrix bind; /* from the mesh to the joint */
+    sph__io_affine bind; /* from the mesh to the joint */
 } sph__gltf_bone;
 
 /* Where what a primitive at a node adds begins. */
@@ -195,9 +190,9 @@ struct sph__io_gltf {
     uint32_t *order; /* nodes, parents before children */
     uint32_t *drawn; /* nodes of the scene with a mesh, in the order of the scene */
     uint32_t drawn_count;
-    sph__gltf_matrix *globals; /* of nodes */
+    sph__io_affine *globals; /* of nodes */
     sph__gltf_bone *bones;
-    sph__gltf_matrix *palette; /* of bones */
+    sph__io_affine *palette; /* of bones */
     size_t bone_count, bone_capacity;
     uint32_t *skin_bones; /* where each skin's joints begin; SPH__GLTF_NONE: not read */
     double *weights_rest, *weights;

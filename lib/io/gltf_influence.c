@@ -133,7 +133,7 @@ sph_status sph__gltf_read_influences(sph__gltf_document *d, sph__io_gltf *g, uin
         if (status != SPH_OK) return status;
     }
     if (b.set_count == 0) {
-        const sph__gltf_bone bone = {(uint32_t)(node - g->nodes), sph__gltf_identity};
+        const sph__gltf_bone bone = {(uint32_t)(node - g->nodes), sph__io_identity};
         if ((status = sph__gltf_add_bone(d, g, &bone)) != SPH_OK) return status;
     }
     for (size_t i = 0; i < used_count && status == SPH_OK; ++i) {

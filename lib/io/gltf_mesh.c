@@ -150,18 +150,12 @@ static sph_status add_simplices(part *p)
     return status;
 }
 
-static double determinant(const double m[12])
-{
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
-           m[2] * (m[4] * m[9] - m[5] * m[8]);
-}
-
 /* Whether what moves the vertices of a part mirrors most of them at rest. */
 static bool is_mirrored(const sph__io_gltf *g, size_t first, size_t end)
 {
     double sum = 0;
     for (size_t i = g->first_influence[first]; i < g->first_influence[end]; ++i) {
-        const double d = determinant(g->palette[g->influences[i].bone].m);
+        const double d = sph__io_determinant(g->palette[g->influences[i].bone].m);
         sum += d < 0 ? -(double)g->influences[i].weight : d > 0 ? (double)g->influences[i].weight : 0;
     }
     return sum < 0;

@@ -4,7 +4,6 @@
 
 #include "io/gltf.h"
 
-const sph__gltf_matrix sph__gltf_identity = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
 
 sph_status sph__gltf_push(sph__gltf_document *d, void *array, size_t *capacity, size_t count, size_t size)
 {
@@ -22,9 +21,9 @@ sph_status sph__gltf_push(sph__gltf_document *d, void *array, size_t *capacity, 
 }
 
 /* From the columns that files have. */
-static sph__gltf_matrix from_columns(const double c[16])
+static sph__io_affine from_columns(const double c[16])
 {
-    sph__gltf_matrix m;
+    sph__io_affine m;
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column)
             m.m[4 * row + column] = c[4 * column + row];
@@ -192,7 +191,7 @@ sph_status sph__gltf_read_nodes(sph__gltf_document *d, sph__io_gltf *g)
         g->nodes[i] = (sph__gltf_node){.parent = SPH__GLTF_NONE,
                                        .first_child = SPH__GLTF_NONE,
                                        .sibling = SPH__GLTF_NONE,
-                                       .matrix = sph__gltf_identity};
+                                       .matrix = sph__io_identity};
     for (uint32_t i = 0; i < count && status == SPH_OK; ++i) {
         const uint32_t object = d->lists[SPH__GLTF_NODES].values[i];
         status = read_transform(d, object, &g->nodes[i]);
@@ -228,7 +227,7 @@ static sph_status read_bones(sph__gltf_document *d, sph__io_gltf *g, uint32_t ob
         return sph__gltf_fail(d, object, "%u matrices for %u joints, or none of floats", (unsigned)binds.count,
                               (unsigned)d->values[joints].count);
     for (uint32_t i = 0; i < d->values[joints].count && status == SPH_OK; ++i, value = d->values[value].next) {
-        sph__gltf_bone bone = {.bind = sph__gltf_identity};
+        sph__gltf_bone bone = {.bind = sph__io_identity};
         status = sph__gltf_read_index(d, value, SPH__GLTF_NODES, &bone.node);
         if (index != SPH__GLTF_NONE) {
             float floats[16];

@@ -7,26 +7,14 @@
 
 enum { VERTEX_BLOCK = 1024 };
 
-static sph__gltf_matrix multiply(const sph__gltf_matrix *a, const sph__gltf_matrix *b)
-{
-    sph__gltf_matrix c;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 4; ++column) {
-            const double *r = a->m + (ptrdiff_t)4 * row;
-            c.m[4 * row + column] =
-                r[0] * b->m[column] + r[1] * b->m[4 + column] + r[2] * b->m[8 + column] + (column == 3 ? r[3] : 0);
-        }
-    return c;
-}
-
 /* Of translation, rotation (normalised here) and scale. */
-static sph__gltf_matrix compose(const double p[10])
+static sph__io_affine compose(const double p[10])
 {
     const double length = sqrt(p[3] * p[3] + p[4] * p[4] + p[5] * p[5] + p[6] * p[6]);
     const double s = length > 0 ? 1 / length : 0;
     const double x = p[3] * s, y = p[4] * s, z = p[5] * s, w = length > 0 ? p[6] * s : 1;
     const double *scale = p + 7;
-    return (sph__gltf_matrix){
+    return (sph__io_affine){
         {(1 - 2 * (y * y + z * z)) * scale[0], 2 * (x * y - z * w) * scale[1], 2 * (x * z + y * w) * scale[2], p[0],
          2 * (x * y + z * w) * scale[0], (1 - 2 * (x * x + z * z)) * scale[1], 2 * (y * z - x * w) * scale[2], p[1],
          2 * (x * z - y * w) * scale[0], 2 * (y * z + x * w) * scale[1], (1 - 2 * (x * x + y * y)) * scale[2], p[2]}};
@@ -52,11 +40,11 @@ void sph__gltf_pose(sph__io_gltf *g, const sph__gltf_run *run, double time)
     if (run != NULL) apply_channels(g, run, time);
     for (uint32_t i = 0; i < g->node_count; ++i) {
         const sph__gltf_node *node = &g->nodes[g->order[i]];
-        const sph__gltf_matrix local = node->has_matrix ? node->matrix : compose(node->now);
-        g->globals[g->order[i]] = node->parent == SPH__GLTF_NONE ? local : multiply(&g->globals[node->parent], &local);
+        const sph__io_affine local = node->has_matrix ? node->matrix : compose(node->now);
+        g->globals[g->order[i]] = node->parent == SPH__GLTF_NONE ? local : sph__io_multiply(&g->globals[node->parent], &local);
     }
     for (size_t i = 0; i < g->bone_count; ++i)
-        g->palette[i] = multiply(&g->globals[g->bones[i].node], &g->bones[i].bind);
+        g->palette[i] = sph__io_multiply(&g->globals[g->bones[i].node], &g->bones[i].bind);
 }
 
 const float *sph__gltf_morph(sph__io_gltf *g)

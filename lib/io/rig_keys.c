@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "io/affine.h"
 #include "io/rig.h"
 
 /* Where a joint is in the world, by what its file says: all that was rounded above it is made good by what is below. */
@@ -14,15 +15,12 @@ static const double RIGID = 1e-6;
 
 static bool is_rigid(const double t[12])
 {
-    double determinant;
     for (int a = 0; a < 3; ++a)
         for (int b = a; b < 3; ++b) {
             const double d = t[4 * a] * t[4 * b] + t[4 * a + 1] * t[4 * b + 1] + t[4 * a + 2] * t[4 * b + 2];
             if (!(fabs(d - (a == b)) <= RIGID)) return false;
         }
-    determinant =
-        t[0] * (t[5] * t[10] - t[6] * t[9]) - t[1] * (t[4] * t[10] - t[6] * t[8]) + t[2] * (t[4] * t[9] - t[5] * t[8]);
-    return determinant > 0;
+    return sph__io_determinant(t) > 0;
 }
 
 static sph_status check_rigid(const sph__rig *rig)

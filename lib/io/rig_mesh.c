@@ -2,17 +2,13 @@
 /* What a rig says of each vertex: normals, joints, weights. */
 #include <math.h>
 
+#include "io/affine.h"
 #include "io/rig.h"
 
 static void corner(const float *xyz, uint32_t vertex, double out[3])
 {
     for (int k = 0; k < 3; ++k)
         out[k] = (double)xyz[3 * (size_t)vertex + k];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* Makes it a unit vector; false where it has no length. */
@@ -23,7 +19,7 @@ static bool normalize(double a[3])
     if (!(size > 0) || !isfinite(size)) return false;
     for (int k = 0; k < 3; ++k)
         a[k] /= size;
-    length = sqrt(dot(a, a));
+    length = sqrt(sph__io_dot(a, a));
     for (int k = 0; k < 3; ++k)
         a[k] /= length;
     return true;
@@ -45,7 +41,7 @@ static void add_triangle(const float *xyz, const uint32_t triangle[3], double *s
     }
     if (!normalize(normal)) return;
     for (int i = 0; i < 3; ++i) {
-        const double angle = acos(fmax(-1, fmin(1, -dot(side[i], side[(i + 2) % 3]))));
+        const double angle = acos(fmax(-1, fmin(1, -sph__io_dot(side[i], side[(i + 2) % 3]))));
         for (int k = 0; k < 3; ++k)
             sums[3 * (size_t)triangle[i] + k] += angle * normal[k];
     }

@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "io/affine.h"
 #include "io/level_export.h"
 
 enum { MOST_STEPS = 1024, MOST_TRIANGLE_STEPS = 256, MOST_BALLS = 1000000 };
@@ -47,11 +48,6 @@ static vertex blend(const vertex *v, const uint32_t *weights, uint32_t corners, 
     return m;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void cross(const double a[3], const double b[3], double out[3])
 {
     for (int k = 0; k < 3; ++k)
@@ -75,7 +71,7 @@ static double capsule_reach(const vertex *a, const vertex *b, uint32_t i, uint32
 {
     double d[3], length, sine, reach;
     between(a, b, d);
-    length = sqrt(dot(d, d));
+    length = sqrt(sph__io_dot(d, d));
     sine = length > 0 ? fmax(-1, fmin(1, (a->r - b->r) / length)) : 0;
     reach = a->r + (b->r - a->r) * i / steps;
     for (int side = -1; side <= 1; side += 2) {
@@ -91,7 +87,7 @@ static bool is_one_sphere(const vertex *a, const vertex *b)
 {
     double d[3];
     between(a, b, d);
-    return sqrt(dot(d, d)) <= fabs(a->r - b->r);
+    return sqrt(sph__io_dot(d, d)) <= fabs(a->r - b->r);
 }
 
 /* --- thick triangles --- */
@@ -103,8 +99,8 @@ static bool touching(const vertex *v, double normals[2][3])
     between(&v[0], &v[1], a);
     between(&v[0], &v[2], b);
     cross(a, b, n);
-    area = sqrt(dot(n, n));
-    if (!(area > 1e-9 * sqrt(dot(a, a) * dot(b, b)))) return false;
+    area = sqrt(sph__io_dot(n, n));
+    if (!(area > 1e-9 * sqrt(sph__io_dot(a, a) * sph__io_dot(b, b)))) return false;
     for (int k = 0; k < 3; ++k)
         n[k] /= area;
     { /* in their plane, by the gradients of the weights */
@@ -114,7 +110,7 @@ static bool touching(const vertex *v, double normals[2][3])
         for (int k = 0; k < 3; ++k)
             t[k] = ((v[0].r - v[1].r) * g[k] + (v[0].r - v[2].r) * h[k]) / area;
     }
-    rise = 1 - dot(t, t);
+    rise = 1 - sph__io_dot(t, t);
     if (!(rise > 0)) return false;
     for (int k = 0; k < 3; ++k) {
         normals[0][k] = t[k] + sqrt(rise) * n[k];
@@ -138,7 +134,7 @@ static double slab_reach(const vertex *corner, double normals[2][3])
                     d[k] += PLACES[i][j] * (corner[j].c[k] - corner[0].c[k]);
                 d[k] += r * normals[side][k];
             }
-            reach = fmax(reach, sqrt(dot(d, d)));
+            reach = fmax(reach, sqrt(sph__io_dot(d, d)));
         }
     return reach;
 }

@@ -5,33 +5,9 @@
 
 #include <stdbool.h>
 
+#include "numeric/vector.h"
+
 /* --- vectors --- */
-static inline double sph__dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static inline void sph__subtract(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; ++i)
-        out[i] = a[i] - b[i];
-}
-
-/* out += scale * a */
-static inline void sph__add_scaled(double scale, const double a[3], double out[3])
-{
-    for (int i = 0; i < 3; ++i)
-        out[i] += scale * a[i];
-}
-
-static inline void sph__cross(const double a[3], const double b[3], double out[3])
-{
-    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-    out[0] = x;
-    out[1] = y;
-    out[2] = z;
-}
-
 /* Neither overflows nor underflows before the result does. */
 double sph__length(const double a[3]);
 /* Makes `a` a unit vector; false, and `a` unchanged, where its length is zero or not finite. */

@@ -157,8 +157,25 @@ void sph__nearest_rotation_from(const double m[9], const double near[9], double 
 
 void sph__quaternion_from_rotation(const double r[9], double q[4])
 {
-    double s[16], values[4], vectors[16];
-    quaternion_form(r, s);
-    sph__sym4_eigen(s, values, vectors);
-    memcpy(q, vectors, 4 * sizeof *q);
+    const double squares[4] = {1 + r[0] - r[4] - r[8], 1 - r[0] + r[4] - r[8], 1 - r[0] - r[4] + r[8],
+                               1 + r[0] + r[4] + r[8]};
+    int most = 3;
+    double length = 0;
+    for (int i = 0; i < 3; ++i)
+        if (squares[i] > squares[most]) most = i;
+    if (most == 3) {
+        q[0] = r[7] - r[5];
+        q[1] = r[2] - r[6];
+        q[2] = r[3] - r[1];
+    } else {
+        const int a = (most + 1) % 3, b = (most + 2) % 3;
+        q[a] = r[3 * a + most] + r[3 * most + a];
+        q[b] = r[3 * b + most] + r[3 * most + b];
+        q[3] = r[3 * b + a] - r[3 * a + b];
+    }
+    q[most] = squares[most];
+    for (int i = 0; i < 4; ++i)
+        length += q[i] * q[i];
+    for (int i = 0; i < 4; ++i)
+        q[i] /= sqrt(length);
 }

@@ -20,6 +20,7 @@ void sph__nearest_rotation_from(const double m[9], const double near[9], double 
 void sph__sym4_eigen(const double m[16], double values[4], double vectors[16]);
 
 void sph__rotation_from_quaternion(const double q[4], double rotation[9]);
+/* Of a rotation: from the largest of the four numbers, where nothing cancels (Shepperd 1978). */
 void sph__quaternion_from_rotation(const double rotation[9], double q[4]);
 
 #endif

@@ -18,32 +18,6 @@ static void set_columns(const double transform[12], double *palette)
             palette[4 * c + r] = r < 3 ? transform[4 * r + c] : 0;
 }
 
-/* Of a rotation matrix: from the largest of its numbers, where nothing cancels. */
-static void set_quaternion(const double r[9], double q[4])
-{
-    const double squares[4] = {1 + r[0] - r[4] - r[8], 1 - r[0] + r[4] - r[8], 1 - r[0] - r[4] + r[8],
-                               1 + r[0] + r[4] + r[8]};
-    int most = 3;
-    double length = 0;
-    for (int i = 0; i < 3; ++i)
-        if (squares[i] > squares[most]) most = i;
-    if (most == 3) {
-        q[0] = r[7] - r[5];
-        q[1] = r[2] - r[6];
-        q[2] = r[3] - r[1];
-    } else {
-        const int a = (most + 1) % 3, b = (most + 2) % 3;
-        q[a] = r[3 * a + most] + r[3 * most + a];
-        q[b] = r[3 * b + most] + r[3 * most + b];
-        q[3] = r[3 * b + a] - r[3 * a + b];
-    }
-    q[most] = squares[most];
-    for (int i = 0; i < 4; ++i)
-        length += q[i] * q[i];
-    for (int i = 0; i < 4; ++i)
-        q[i] /= sqrt(length);
-}
-
 /* Half the product of a translation and a rotation. */
 static void set_dual(const double t[3], const double q[4], double dual[4])
 {
@@ -100,7 +74,7 @@ static bool prepare_dual(const double t[12], const double pivot[3], double *pale
         }
     }
     set_columns(first, palette);
-    set_quaternion(rotation, palette + SPH__BONE_REAL);
+    sph__quaternion_from_rotation(rotation, palette + SPH__BONE_REAL);
     set_dual(shift, palette + SPH__BONE_REAL, palette + SPH__BONE_DUAL);
     return stretched;
 }

@@ -130,8 +130,8 @@ sph_status sph_quadric_add_plane(sph_quadric *quadric, uint32_t frame, const dou
     sph__subtract(point, terms.anchor, local);
     distance = sph__dot(unit, local);
     sph__sym3_add_outer(2.0 * weight, unit, terms.m);
-    sph__add_scaled(2.0 * weight, unit, terms.n);
-    sph__add_scaled(2.0 * weight * distance, unit, terms.b);
+    sph__add_scaled(terms.n, 2.0 * weight, unit, terms.n);
+    sph__add_scaled(terms.b, 2.0 * weight * distance, unit, terms.b);
     sums.w += 2.0 * weight;
     sums.b += 2.0 * weight * distance;
     sums.c += weight * distance * distance;
@@ -153,7 +153,7 @@ sph_status sph_quadric_add_attachment(sph_quadric *quadric, uint32_t frame, cons
     sph__subtract(center, terms.anchor, local);
     for (int i = 0; i < 3; ++i)
         terms.m[diagonal[i]] += 2.0 * weight;
-    sph__add_scaled(2.0 * weight, local, terms.b);
+    sph__add_scaled(terms.b, 2.0 * weight, local, terms.b);
     sums.c += weight * sph__dot(local, local);
     return put_terms(quadric, frame, &terms, &sums);
 }
@@ -313,12 +313,12 @@ static void write_centers(const sph_quadric *quadric, const double *u, const dou
         double q[3], d[3];
         if (is_regular(frame, &factor)) {
             memcpy(q, frame->b, sizeof q);
-            sph__add_scaled(-at->radius, frame->n, q);
+            sph__add_scaled(q, -at->radius, frame->n, q);
             sph__sym3_solve(&factor, q, q);
-            sph__add_scaled(1.0, frame->anchor, q);
+            sph__add_scaled(q, 1.0, frame->anchor, q);
         } else {
             read_segment(u, v, f, q, d);
-            sph__add_scaled(at->lambda, d, q);
+            sph__add_scaled(q, at->lambda, d, q);
         }
         memcpy(center, q, sizeof q);
     }

@@ -49,7 +49,7 @@ static void collect(const sph_skin *skin, const uint32_t bones[2], const double 
         parting(a, b, center, e);
         for (int r = 0; r < 3; ++r) {
             sph__sym3_add_outer(1.0 / skin->frame_count, d + 3 * r, m->squares);
-            sph__add_scaled(e[r] / skin->frame_count, d + 3 * r, m->linear);
+            sph__add_scaled(m->linear, e[r] / skin->frame_count, d + 3 * r, m->linear);
         }
     }
 }
