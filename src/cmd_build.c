@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* sphmesh build: from an animation to the hierarchy of its sphere-meshes. */
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "program.h"
 #include "report.h"

@@ -2,7 +2,6 @@
 /* sphmesh demo: everything, on the built-in creature. */
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 

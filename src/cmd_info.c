@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* sphmesh info: what a file is, and whether anything about it deserves attention. */
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "contents.h"
 #include "program.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* sphmesh measure: distances between an animated mesh and a level. */
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "numbered.h"
 #include "program.h"

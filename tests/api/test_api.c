@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "calls.h"
+#include "runner.h"
 #include "support.h"
 
 enum { SCRATCHES = 8, SCRATCH_SIZE = 1 << 20, ROUNDS = 80, CALLS_PER_FIXTURE = 10, SECONDS = 2 };
@@ -173,16 +174,11 @@ int main(void)
     char folder[] = "/tmp/test-api-XXXXXX";
     Suite *suite = suite_create("api");
     TCase *tc = tcase_create("api");
-    SRunner *runner;
-    int failed;
+    int result;
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, a_careless_caller_harms_nothing, 0, (int)API_CALL_COUNT);
-    suite_add_tcase(suite, tc);
     if (mkdtemp(folder) == NULL || chdir(folder) != 0) return 1;
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
+    result = run_suite(suite, tc);
     clear(folder);
-    return failed != 0;
+    return result;
 }

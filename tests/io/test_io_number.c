@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "io/io.h"
+#include "runner.h"
 #include "support.h"
 
 static uint32_t bits_of(float value)
@@ -249,8 +250,6 @@ int main(void)
 {
     Suite *suite = suite_create("io numbers");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_loop_test(tc, a_number_is_read_as_strtof_reads_it, 0, (int)(sizeof TEXTS / sizeof *TEXTS));
     tcase_add_test(tc, what_is_no_number_is_refused);
     tcase_add_test(tc, what_old_windows_libraries_print_is_read);
@@ -258,10 +257,5 @@ int main(void)
     tcase_add_test(tc, half_way_points_go_to_the_even_neighbour);
     tcase_add_test(tc, every_float_reads_back_as_it_was_written);
     tcase_add_test(tc, short_numbers_are_written_short);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 static sph_context *context;
@@ -392,8 +393,6 @@ int main(void)
 {
     Suite *suite = suite_create("animation");
     TCase *tc = tcase_create("handle");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_test(tc, create_rejects_counts_out_of_range);
     tcase_add_test(tc, create_says_that_memory_is_out_for_sizes_beyond_it);
@@ -412,10 +411,5 @@ int main(void)
     tcase_add_test(tc, a_source_without_a_destroy_function_is_fine);
     tcase_add_test(tc, a_failing_source_fails_the_call_with_its_status);
     tcase_add_test(tc, the_message_of_a_source_is_not_talked_over);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

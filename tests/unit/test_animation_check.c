@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 static sph_context *context;
@@ -660,8 +661,6 @@ int main(void)
 {
     Suite *suite = suite_create("animation check");
     TCase *tc = tcase_create("check");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, closed_outward_shapes_are_clean, 0, 4);
     tcase_add_loop_test(tc, closed_inward_shapes_have_one_inward_component, 0, 4);
@@ -683,10 +682,5 @@ int main(void)
     tcase_add_test(tc, frames_from_a_source_give_the_same_report_in_one_pass);
     tcase_add_test(tc, progress_never_falls_and_may_cancel_at_any_call);
     tcase_add_loop_test(tc, every_allocation_may_fail, 0, 2);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

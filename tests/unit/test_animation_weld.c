@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 static sph_context *context;
@@ -422,8 +423,6 @@ int main(void)
 {
     Suite *suite = suite_create("animation weld");
     TCase *tc = tcase_create("weld");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, a_shape_taken_apart_comes_together_again, 0, 6);
     tcase_add_loop_test(tc, vertices_that_part_in_one_frame_stay_two, 0, 5);
@@ -438,10 +437,5 @@ int main(void)
     tcase_add_loop_test(tc, weld_names_the_vertex_that_is_not_finite, 0, 4);
     tcase_add_loop_test(tc, progress_never_falls_and_may_cancel_at_any_call, 0, 3);
     tcase_add_loop_test(tc, every_allocation_may_fail, 0, 6);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/base.h"
+#include "runner.h"
 #include "support.h"
 
 /* --- statuses and messages --- */
@@ -675,14 +676,8 @@ static TCase *loop_tests(void)
 int main(void)
 {
     Suite *suite = suite_create("base");
-    SRunner *runner;
-    int failed;
     suite_add_tcase(suite, message_tests());
     suite_add_tcase(suite, memory_tests());
     suite_add_tcase(suite, loop_tests());
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_all(suite);
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/container.h"
+#include "runner.h"
 #include "support.h"
 
 static sph_context *context;
@@ -295,8 +296,6 @@ int main(void)
 {
     Suite *suite = suite_create("container");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_test(tc, the_checksum_gives_the_known_values);
     tcase_add_test(tc, the_checksum_may_be_taken_in_parts);
@@ -310,10 +309,5 @@ int main(void)
     tcase_add_test(tc, a_transfer_as_text_is_named);
     tcase_add_test(tc, another_kind_is_refused_by_name);
     tcase_add_test(tc, what_the_writer_answers_is_handed_on);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "solid.h"
 #include "support.h"
 
@@ -437,8 +438,6 @@ int main(void)
 {
     Suite *suite = suite_create("coverage");
     TCase *tests = tcase_create("coverage");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tests, setup, teardown);
     tcase_add_loop_test(tests, the_uncovered_distance_is_that_of_the_closed_form, 0, 3);
     tcase_add_loop_test(tests, the_uncovered_distance_is_that_of_brute_force, 0, 8);
@@ -452,9 +451,5 @@ int main(void)
     tcase_add_test(tests, progress_may_cancel_at_any_call);
     tcase_add_test(tests, what_is_wrong_is_refused_with_a_reason);
     suite_add_tcase(suite, tests);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_all(suite);
 }

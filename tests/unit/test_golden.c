@@ -8,9 +8,9 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 enum { RINGS = 24, SIDES = 12, VERTICES = RINGS * SIDES, FRAMES = 5, TRIANGLES = 2 * VERTICES, SAMPLES = 500 };
@@ -208,14 +208,7 @@ int main(void)
 {
     Suite *suite = suite_create("golden");
     TCase *tc = tcase_create("golden");
-    SRunner *runner;
-    int failed;
     tcase_add_loop_test(tc, hierarchies_are_the_same_everywhere, 0, HIERARCHY_COUNT * CONTEXTS);
     tcase_add_loop_test(tc, what_levels_are_asked_has_the_same_answer_everywhere, 0, CONTEXTS);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

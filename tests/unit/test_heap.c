@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "numeric/heap.h"
+#include "runner.h"
 
 enum { ITEMS = 300, STEPS = 60000 };
 
@@ -241,8 +242,6 @@ int main(void)
 {
     Suite *suite = suite_create("heap");
     TCase *tests = tcase_create("heap");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tests, setup, teardown);
     tcase_add_test(tests, items_come_out_as_qsort_orders_them);
     tcase_add_test(tests, the_first_items_are_those_that_qsort_puts_first);
@@ -250,9 +249,5 @@ int main(void)
     tcase_add_test(tests, items_never_seen_are_absent_and_the_last_number_is_refused);
     tcase_add_loop_test(tests, every_allocation_may_fail, 0, 4);
     suite_add_tcase(suite, tests);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_all(suite);
 }

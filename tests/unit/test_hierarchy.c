@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "awkward.h"
+#include "runner.h"
 #include "support.h"
 
 static const unsigned FRAMES[] = {1, 7, 8, 9, 40};
@@ -652,8 +653,6 @@ int main(void)
 {
     Suite *suite = suite_create("hierarchy");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_test(tc, options_have_the_documented_defaults);
@@ -676,10 +675,5 @@ int main(void)
     tcase_add_loop_test(tc, errors_are_root_mean_square_distances, 0, 2);
     tcase_add_test(tc, strong_coherence_puts_centres_at_area_weighted_means);
     tcase_add_loop_test(tc, radii_stay_within_the_width_of_their_regions, 0, 3);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -6,6 +6,7 @@
 #include <check.h>
 #include <stdlib.h>
 
+#include "runner.h"
 #include "support.h"
 
 enum { FRAMES = 33, EXECUTORS = 3 };
@@ -125,16 +126,10 @@ int main(void)
 {
     Suite *suite = suite_create("hierarchy_ahead");
     TCase *tests = tcase_create("hierarchy_ahead");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tests, setup, teardown);
     tcase_set_timeout(tests, 0);
     tcase_add_loop_test(tests, any_number_of_threads_gives_the_same_bits, 0, MAKER_COUNT);
     tcase_add_loop_test(tests, any_executor_gives_the_same_bits, 0, EXECUTORS);
     suite_add_tcase(suite, tests);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_all(suite);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "awkward.h"
+#include "runner.h"
 #include "support.h"
 
 enum { MODES = 3 };
@@ -217,17 +218,10 @@ int main(void)
 {
     Suite *suite = suite_create("hierarchy failures");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, every_allocation_may_fail, 0, KIND_COUNT * 2 * MODES);
     tcase_add_loop_test(tc, building_may_be_cancelled_at_every_report, 0, MODES);
     tcase_add_loop_test(tc, a_frame_source_may_fail_at_every_frame, 0, 4);
     tcase_add_loop_test(tc, a_level_is_unchanged_when_its_optimisation_fails, 0, 4);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/container.h"
+#include "runner.h"
 #include "support.h"
 
 typedef struct bytes {
@@ -434,8 +435,6 @@ int main(void)
 {
     Suite *suite = suite_create("hierarchy file");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, a_hierarchy_comes_back_as_it_was, 0, 3 * MESH_COUNT);
     tcase_add_test(tc, a_hierarchy_cut_at_any_length_is_refused);
@@ -445,10 +444,5 @@ int main(void)
     tcase_add_loop_test(tc, what_is_wrong_is_named_with_its_byte, 0, 11);
     tcase_add_loop_test(tc, every_allocation_may_fail, 0, 2);
     tcase_add_test(tc, a_level_is_no_hierarchy_and_null_is_answered);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

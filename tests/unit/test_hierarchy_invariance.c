@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "awkward.h"
+#include "runner.h"
 #include "support.h"
 
 enum { MODES = 3, FRAMES = 9, SEEDS = 20 };
@@ -433,8 +434,6 @@ int main(void)
 {
     Suite *suite = suite_create("hierarchy invariance");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, scaling_by_a_power_of_two_scales_the_result, 0, AWKWARD_KIND_COUNT);
@@ -450,10 +449,5 @@ int main(void)
     tcase_add_loop_test(tc, frames_may_come_in_any_order, 0, SEEDS);
     tcase_add_loop_test(tc, with_one_frame_radii_per_frame_are_the_constant_ones, 0, SEEDS);
     tcase_add_loop_test(tc, a_radius_factor_of_zero_is_radius_zero, 0, SEEDS);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

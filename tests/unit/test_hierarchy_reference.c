@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "hierarchy/hierarchy.h"
+#include "runner.h"
 #include "support.h"
 #include "variants.h"
 
@@ -377,14 +378,8 @@ int main(void)
 {
     Suite *suite = suite_create("hierarchy against reference");
     TCase *tcase = tcase_create("hierarchy against reference");
-    SRunner *runner = srunner_create(suite);
-    int failed;
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, library_and_reference_collapse_alike, 0, CASE_SHAPE_COUNT);
     tcase_add_loop_test(tcase, cheapest_edge_is_forced_where_all_invert, 0, 6);
-    suite_add_tcase(suite, tcase);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tcase);
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "hierarchy/hierarchy.h"
+#include "runner.h"
 #include "support.h"
 
 enum { VERTICES = 60, TRIANGLES = 90, MOST_DIRECTIONS = 60, MOST_FRAMES = 64, SEEDS = 150 };
@@ -154,14 +155,7 @@ int main(void)
 {
     Suite *suite = suite_create("hierarchy width");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, no_radius_is_more_than_its_share_of_the_width, 0, 12);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "awkward.h"
+#include "runner.h"
 #include "simplicial.h"
 #include "support.h"
 
@@ -456,8 +457,6 @@ int main(void)
 {
     Suite *suite = suite_create("level");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, every_level_is_the_image_of_the_input, 0, 2 * AWKWARD_KIND_COUNT);
@@ -468,10 +467,5 @@ int main(void)
     tcase_add_test(tc, null_is_answered_and_never_read);
     tcase_add_test(tc, a_level_outlives_all_that_it_was_made_from);
     tcase_add_loop_test(tc, a_level_is_found_by_its_error, 0, AWKWARD_KIND_COUNT);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include <check.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <sphmesh/level.h>
+
+#include "runner.h"
 
 static sph_context *context;
 static float centers[2 * 3 * 3] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1};
@@ -118,17 +119,10 @@ int main(void)
 {
     Suite *suite = suite_create("level arrays");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, a_level_gives_back_copies_of_what_it_was_made_of, 0, 2);
     tcase_add_test(tc, a_level_keeps_its_context_alive);
     tcase_add_test(tc, a_bad_level_is_refused_and_the_message_names_what_is_bad);
     tcase_add_test(tc, null_is_answered_and_never_read);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -9,6 +9,7 @@
 #include <sphmesh/io.h>
 
 #include "awkward.h"
+#include "runner.h"
 #include "simplicial.h"
 #include "support.h"
 
@@ -198,8 +199,6 @@ int main(void)
 {
     Suite *suite;
     TCase *tc;
-    SRunner *runner;
-    int failed;
     if (getenv("SPHMESH_DATA") == NULL) {
         puts("1..0 # SKIP SPHMESH_DATA names no folder of real animated meshes");
         return EXIT_SUCCESS;
@@ -211,10 +210,5 @@ int main(void)
     tcase_add_loop_test(tc, levels_of_real_meshes_are_the_image_of_the_input, 0, DATA_COUNT);
     tcase_add_loop_test(tc, optimised_levels_of_real_meshes_are_the_duals_of_their_labels, 0, DATA_COUNT);
     tcase_add_loop_test(tc, a_real_mesh_collapses_alike_at_any_size, 0, DATA_COUNT);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 enum { FRAMES = 37 }; /* more than two tiles of the copy, and no multiple */
@@ -161,15 +162,9 @@ int main(void)
 {
     Suite *suite = suite_create("level_extract");
     TCase *cases = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_loop_test(cases, spheres_are_those_of_the_hierarchy_in_the_frames_asked_for, 0, 2);
     tcase_add_loop_test(cases, a_level_without_labels_is_the_whole_level_in_all_else, 0, 2);
     tcase_add_test(cases, options_out_of_range_are_refused_and_named);
     suite_add_tcase(suite, cases);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_all(suite);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "awkward.h"
+#include "runner.h"
 #include "simplicial.h"
 #include "support.h"
 
@@ -298,8 +299,6 @@ int main(void)
 {
     Suite *suite = suite_create("level optimisation");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, vertices_go_to_their_nearest_neighbour_and_simplices_follow, 0, 2 * AWKWARD_KIND_COUNT);
@@ -308,10 +307,5 @@ int main(void)
     tcase_add_test(tc, a_callers_level_may_be_any);
     tcase_add_test(tc, threads_and_executors_leave_every_bit);
     tcase_add_test(tc, another_animation_is_refused_and_the_message_says_both_counts);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 static sph_context *context;
@@ -443,8 +444,6 @@ int main(void)
 {
     Suite *suite = suite_create("measure");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, concentric_spheres_are_the_difference_of_radii_apart, 0, 4);
     tcase_add_loop_test(tc, distances_to_a_tapered_capsule_and_a_tilted_thick_triangle_are_exact, 0, 2);
@@ -457,10 +456,5 @@ int main(void)
     tcase_add_test(tc, progress_rises_and_may_cancel_at_any_call);
     tcase_add_test(tc, what_cannot_be_measured_is_refused_with_a_reason);
     tcase_add_test(tc, a_failing_frame_source_ends_the_measure_with_its_status);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The memory that a context counts, and the limit that it keeps. */
 #include <check.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 static sph_context *limited(uint64_t limit, test_faulty *faulty)
@@ -114,15 +114,8 @@ int main(void)
 {
     Suite *suite = suite_create("memory_limit");
     TCase *tc = tcase_create("memory_limit");
-    SRunner *runner;
-    int failed;
     tcase_add_test(tc, the_count_is_that_of_the_allocator);
     tcase_add_test(tc, nothing_passes_the_limit_and_the_message_says_so);
     tcase_add_test(tc, sizes_that_cannot_be_are_refused_before_anything_is_asked_for);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

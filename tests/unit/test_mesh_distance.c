@@ -8,6 +8,7 @@
 #include "animation/animation.h"
 #include "measure/mesh.h"
 #include "numeric/vector.h"
+#include "runner.h"
 #include "support.h"
 
 #ifdef HAVE_CGAL
@@ -192,8 +193,6 @@ int main(void)
 {
     Suite *suite = suite_create("mesh distance");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, distance_is_the_least_over_all_triangles, 0, 5);
     tcase_add_loop_test(tc, the_guess_changes_nothing, 0, 5);
@@ -201,10 +200,5 @@ int main(void)
     tcase_add_loop_test(tc, distance_agrees_with_cgal, 0, 5);
 #endif
     tcase_add_loop_test(tc, points_lie_on_their_triangles_and_are_as_many_as_their_area_asks, 0, 5);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "quadric/minimizer.h"
+#include "runner.h"
 
 static uint64_t state;
 
@@ -233,8 +234,6 @@ int main(void)
 {
     Suite *suite = suite_create("minimizer");
     TCase *tests = tcase_create("minimizer");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tests, setup, NULL);
     tcase_add_loop_test(tests, each_case_of_the_box_has_the_minimum_computed_by_hand, 0,
                         (int)(sizeof CASES / sizeof *CASES));
@@ -243,9 +242,5 @@ int main(void)
     tcase_add_test(tests, any_input_whatever_gives_a_point_in_the_box);
     tcase_add_test(tests, degenerate_matrices_are_told_from_regular_ones_at_any_scale);
     suite_add_tcase(suite, tests);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_all(suite);
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "numeric/numeric.h"
+#include "runner.h"
 
 static uint64_t state;
 
@@ -201,8 +202,6 @@ int main(void)
 {
     Suite *suite = suite_create("numeric");
     TCase *tests = tcase_create("numeric");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tests, setup, NULL);
     tcase_add_test(tests, solutions_agree_with_lapack);
     tcase_add_test(tests, matrices_that_are_not_positive_are_refused);
@@ -212,9 +211,5 @@ int main(void)
     tcase_add_test(tests, lengths_neither_overflow_nor_vanish);
     tcase_add_test(tests, vectors_without_a_direction_are_not_normalized);
     suite_add_tcase(suite, tests);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_all(suite);
 }

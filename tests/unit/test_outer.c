@@ -7,6 +7,7 @@
 
 #include "measure/measure.h"
 #include "numeric/vector.h"
+#include "runner.h"
 #include "support.h"
 
 enum { SPHERES = 9, MOST_SIMPLICES = 12, SAMPLES = 40000, QUERIES = 300, RANDOM_LEVELS = 24 };
@@ -329,8 +330,6 @@ int main(void)
 {
     Suite *suite = suite_create("outer");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, distance_from_within_reaches_the_nearest_boundary_of_the_union, 0, RANDOM_LEVELS);
     tcase_add_loop_test(tc, distance_from_outside_is_that_to_the_nearest_primitive, 0, RANDOM_LEVELS);
@@ -339,10 +338,5 @@ int main(void)
     tcase_add_test(tc, what_floats_in_a_closed_shell_does_not_count);
     tcase_add_loop_test(tc, a_shell_with_a_missing_triangle_is_open_and_both_its_sides_count, 0, 4);
     tcase_add_test(tc, an_open_sheet_has_two_sides);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "pose_case.h"
+#include "runner.h"
 
 static const int32_t METHODS[2] = {SPH_POSE_LINEAR, SPH_POSE_DUAL_QUATERNION};
 
@@ -281,8 +282,6 @@ int main(void)
 {
     Suite *suite = suite_create("pose");
     TCase *tc = tcase_create("pose");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, identities_leave_every_bit_of_the_rest_pose, 0, 2);
@@ -296,10 +295,5 @@ int main(void)
     tcase_add_test(tc, what_is_wrong_is_said);
     tcase_add_test(tc, normals_of_a_sphere_without_given_ones_point_outward);
     tcase_add_test(tc, a_solved_skin_is_reconstructed_with_the_errors_that_it_reports);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "pose_case.h"
+#include "runner.h"
 
 static const int32_t METHODS[2] = {SPH_POSE_LINEAR, SPH_POSE_DUAL_QUATERNION};
 
@@ -145,17 +146,10 @@ int main(void)
 {
     Suite *suite = suite_create("pose_dual");
     TCase *tc = tcase_create("pose_dual");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_test(tc, dual_quaternions_are_blended_normalised_and_applied);
     tcase_add_test(tc, rotations_just_below_and_above_a_half_turn_are_close);
     tcase_add_loop_test(tc, a_twisted_cylinder_keeps_its_section_with_dual_quaternions_and_loses_it_linearly, 0, 2);
     tcase_add_test(tc, scale_is_blended_about_the_pivots_wherever_the_origin_is);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 enum { MOST = 40 };
@@ -274,8 +275,6 @@ int main(void)
 {
     Suite *suite = suite_create("pose_spheres");
     TCase *tc = tcase_create("pose_spheres");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, a_rigid_motion_of_all_spheres_is_that_motion_of_all_bones, 0, 4);
     tcase_add_test(tc, spheres_that_stay_leave_their_bones_alone);
@@ -286,10 +285,5 @@ int main(void)
     tcase_add_test(tc, spheres_without_neighbors_or_on_top_of_them_are_moved_and_not_turned);
     tcase_add_test(tc, an_edit_of_a_pose_comes_after_it);
     tcase_add_test(tc, what_is_wrong_is_said);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

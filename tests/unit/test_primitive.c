@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "level/primitive.h"
+#include "runner.h"
 
 typedef struct hull {
     int count;
@@ -379,8 +380,6 @@ int main(void)
 {
     Suite *suite = suite_create("primitive");
     TCase *tc = tcase_create("all");
-    SRunner *runner;
-    int failed;
     tcase_add_loop_test(tc, signed_distance_is_that_of_the_hull_of_spheres, 0, HULL_COUNT);
     tcase_add_loop_test(tc, signed_distance_is_right_at_centres_and_between_them, 0, HULL_COUNT);
     tcase_add_loop_test(tc, the_closest_point_lies_on_the_boundary_along_the_normal, 0, HULL_COUNT);
@@ -388,10 +387,5 @@ int main(void)
     tcase_add_test(tc, a_flat_triangle_stops_what_crosses_it_from_either_side);
     tcase_add_loop_test(tc, the_box_holds_the_hull_tightly, 0, HULL_COUNT);
     tcase_add_test(tc, faces_touch_all_three_spheres);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

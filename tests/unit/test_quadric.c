@@ -6,6 +6,7 @@
 
 #include <sphmesh/quadric.h>
 
+#include "runner.h"
 #include "support.h"
 
 static sph_context *context;
@@ -308,8 +309,6 @@ int main(void)
 {
     Suite *suite = suite_create("quadric");
     TCase *tests = tcase_create("quadric");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tests, setup, teardown);
     tcase_add_test(tests, regular_planes_of_a_cuboid_give_the_mean_half_width);
     tcase_add_test(tests, regular_radius_is_clamped_at_the_bound);
@@ -323,9 +322,5 @@ int main(void)
     tcase_add_test(tests, an_attachment_makes_every_frame_regular);
     tcase_add_test(tests, the_sum_of_two_quadrics_is_that_of_their_planes);
     suite_add_tcase(suite, tests);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_all(suite);
 }

@@ -11,6 +11,7 @@
 
 #include <sphmesh/quadric.h>
 
+#include "runner.h"
 #include "support.h"
 
 enum { FRAMES = 8, PLANES = 8, ROWS = FRAMES * (PLANES + 3), COLUMNS = 3 * FRAMES + 2 };
@@ -388,13 +389,7 @@ int main(void)
 {
     Suite *suite = suite_create("quadric_oracle");
     TCase *tests = tcase_create("quadric_oracle");
-    SRunner *runner;
-    int failed;
     tcase_add_loop_test(tests, minima_agree_with_brute_force, 0, 4);
     suite_add_tcase(suite, tests);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_all(suite);
 }

@@ -6,6 +6,7 @@
 
 #include <sphmesh/quadric.h>
 
+#include "runner.h"
 #include "support.h"
 
 static sph_context *context;
@@ -189,8 +190,6 @@ int main(void)
 {
     Suite *suite = suite_create("quadric_refusals");
     TCase *tests = tcase_create("quadric_refusals");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tests, setup, teardown);
     tcase_add_test(tests, bad_counts_and_missing_handles_are_refused);
     tcase_add_test(tests, bad_planes_and_attachments_are_refused_and_change_nothing);
@@ -198,9 +197,5 @@ int main(void)
     tcase_add_test(tests, a_quadric_outlives_its_creator_s_hold_on_the_context);
     tcase_add_loop_test(tests, every_allocation_may_fail, 0, 2);
     suite_add_tcase(suite, tests);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_all(suite);
 }

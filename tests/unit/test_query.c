@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "solid.h"
 #include "support.h"
 
@@ -308,8 +309,6 @@ int main(void)
 {
     Suite *s = suite_create("query");
     TCase *tc = tcase_create("query");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_test(tc, a_new_handle_is_posed_at_frame_0_and_outlives_level_and_context);
@@ -320,10 +319,5 @@ int main(void)
     tcase_add_loop_test(tc, every_allocation_may_fail, 0, 2);
     tcase_add_test(tc, queries_allocate_nothing);
     tcase_add_test(tc, any_number_of_threads_may_ask_one_handle);
-    suite_add_tcase(s, tc);
-    runner = srunner_create(s);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(s, tc);
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "solid.h"
 #include "support.h"
 
@@ -251,8 +252,6 @@ int main(void)
 {
     Suite *s = suite_create("query_between");
     TCase *tc = tcase_create("query_between");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_test(tc, the_gap_is_the_least_over_all_pairs_of_interpolated_spheres);
@@ -260,10 +259,5 @@ int main(void)
     tcase_add_test(tc, a_moved_level_touches_where_its_gap_closes);
     tcase_add_test(tc, balls_meet_where_arithmetic_says);
     tcase_add_test(tc, bad_arguments_are_refused);
-    suite_add_tcase(s, tc);
-    runner = srunner_create(s);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(s, tc);
 }

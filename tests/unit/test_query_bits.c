@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 enum { SPHERES = 900, SIMPLICES = 700, FRAMES = 3, SWEEPS = 1500 };
@@ -241,18 +242,11 @@ int main(void)
     enum { SIZE_COUNT = sizeof SIZES / sizeof *SIZES };
     Suite *s = suite_create("query_bits");
     TCase *tc = tcase_create("query_bits");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, a_batch_has_the_bits_of_single_calls, 0, SIZE_COUNT);
     tcase_add_loop_test(tc, the_tree_has_the_bits_of_the_exhaustive_search, 0, SIZE_COUNT);
     tcase_add_loop_test(tc, a_tree_that_was_refitted_has_them_too, 0, SIZE_COUNT);
     tcase_add_loop_test(tc, batches_allocate_nothing, 0, SIZE_COUNT);
-    suite_add_tcase(s, tc);
-    runner = srunner_create(s);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(s, tc);
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "solid.h"
 #include "support.h"
 
@@ -363,17 +364,10 @@ int main(void)
 {
     Suite *s = suite_create("query_cast");
     TCase *tc = tcase_create("query_cast");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, casts_hit_what_the_definition_says, 0, 4);
     tcase_add_test(tc, rays_hit_triangles_of_no_thickness_and_pass_beside_them);
     tcase_add_test(tc, a_sphere_against_a_sphere_touches_where_the_radii_meet);
-    suite_add_tcase(s, tc);
-    runner = srunner_create(s);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(s, tc);
 }

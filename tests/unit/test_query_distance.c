@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "solid.h"
 #include "support.h"
 
@@ -222,8 +223,6 @@ int main(void)
 {
     Suite *s = suite_create("query_distance");
     TCase *tc = tcase_create("query_distance");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_test(tc, distances_are_what_the_definition_says);
@@ -231,10 +230,5 @@ int main(void)
     tcase_add_loop_test(tc, a_closed_shell_is_hollow_only_when_asked, 0, 3);
     tcase_add_test(tc, a_shell_with_a_hole_has_no_cavity);
     tcase_add_test(tc, a_new_pose_has_cavities_of_its_own);
-    suite_add_tcase(s, tc);
-    runner = srunner_create(s);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(s, tc);
 }

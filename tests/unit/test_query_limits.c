@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "runner.h"
 #include "solid.h"
 #include "support.h"
 
@@ -114,17 +115,10 @@ int main(void)
 {
     Suite *s = suite_create("query_limits");
     TCase *tc = tcase_create("query_limits");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_test(tc, sweeps_that_are_not_finite_are_refused_and_named);
     tcase_add_test(tc, points_that_are_not_finite_are_refused_and_named);
     tcase_add_test(tc, numbers_as_large_and_as_small_as_floats_get_do_no_harm);
-    suite_add_tcase(s, tc);
-    runner = srunner_create(s);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(s, tc);
 }

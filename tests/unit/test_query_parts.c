@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "query/query.h"
+#include "runner.h"
 #include "support.h"
 
 enum { SPHERES = 12, EDGES = 4, TRIANGLES = 6, RAYS = SPH__QUERY_WAVE, SOLIDS = 100, SLOTS = 64 };
@@ -274,16 +275,9 @@ int main(void)
     enum { SCALE_COUNT = sizeof SCALES / sizeof *SCALES };
     Suite *s = suite_create("query_parts");
     TCase *tc = tcase_create("query_parts");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, a_bound_never_loses_a_hit_nor_begins_after_it, 0, SCALE_COUNT);
     tcase_add_loop_test(tc, the_first_hit_is_that_of_the_search_without_bounds, 0, SCALE_COUNT);
-    suite_add_tcase(s, tc);
-    runner = srunner_create(s);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(s, tc);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cases.h"
+#include "runner.h"
 #include "support.h"
 
 typedef reference_real real;
@@ -309,8 +310,6 @@ int main(void)
 {
     Suite *suite = suite_create("reference");
     TCase *tcase = tcase_create("reference");
-    SRunner *runner = srunner_create(suite);
-    int failed;
     tcase_set_timeout(tcase, 60);
     tcase_add_test(tcase, quadric_is_the_sum_of_its_planes_wherever_its_origin);
     tcase_add_test(tcase, sphere_inscribed_in_a_tetrahedron_costs_nothing);
@@ -318,9 +317,5 @@ int main(void)
     tcase_add_test(tcase, flat_frames_take_the_middle_of_the_segment_and_no_radius_where_nothing_pulls);
     tcase_add_loop_test(tcase, hierarchy_keeps_its_rules, 0, 3 * CASE_SHAPE_COUNT);
     tcase_add_test(tcase, importance_scales_the_planes_of_its_vertex_and_frame);
-    suite_add_tcase(suite, tcase);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tcase);
 }

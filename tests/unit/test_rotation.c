@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "numeric/rotation.h"
+#include "runner.h"
 #include "support.h"
 
 static void random_matrix(uint64_t *state, double m[9])
@@ -150,17 +151,10 @@ int main(void)
 {
     Suite *suite = suite_create("rotation");
     TCase *tc = tcase_create("rotations");
-    SRunner *runner;
-    int failed;
     tcase_add_test(tc, rotations_agree_with_lapack_reflections_included);
     tcase_add_test(tc, flat_and_almost_flat_matrices_give_proper_rotations_of_largest_trace);
     tcase_add_test(tc, a_rotation_is_its_own_nearest_and_its_quaternion_tells_it);
     tcase_add_test(tc, nothing_gives_the_identity);
     tcase_add_test(tc, eigenvalues_of_four_rows_agree_with_lapack);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "numeric/simplex_qp.h"
+#include "runner.h"
 #include "support.h"
 
 enum { MOST = SPH__SIMPLEX_QP_MOST };
@@ -163,16 +164,9 @@ int main(void)
 {
     Suite *suite = suite_create("simplex_qp");
     TCase *tc = tcase_create("programs");
-    SRunner *runner;
-    int failed;
     tcase_add_test(tc, values_are_those_of_the_best_support_of_all);
     tcase_add_test(tc, variables_that_are_not_allowed_stay_zero_and_the_rest_is_best);
     tcase_add_test(tc, no_slope_is_left_in_large_and_singular_programs_and_values_never_rise);
     tcase_add_test(tc, a_flat_program_leaves_the_start);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 enum { MOST = 40, FRAMES = 12 };
@@ -704,8 +705,6 @@ int main(void)
 {
     Suite *suite = suite_create("skeleton");
     TCase *tc = tcase_create("joints");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, a_ball_joint_is_where_both_bones_turn, 0, 2);
     tcase_add_test(tc, a_hinge_s_joint_is_on_its_axis_nearest_to_where_the_spheres_meet);
@@ -726,10 +725,5 @@ int main(void)
     tcase_add_loop_test(tc, extreme_skins_make_finite_trees, 0, 3);
     tcase_add_loop_test(tc, every_allocation_may_fail, 0, 2);
     tcase_add_test(tc, progress_does_not_fall_and_may_cancel);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "runner.h"
 #include "skin_rig.h"
 #include "support.h"
 
@@ -299,8 +300,6 @@ int main(void)
 {
     Suite *suite = suite_create("skin");
     TCase *tc = tcase_create("decomposition");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, an_exact_rig_is_reconstructed_to_a_ten_thousandth_without_being_told_anything, 0, 2);
     tcase_add_test(tc, known_weights_give_the_known_transforms);
@@ -310,10 +309,5 @@ int main(void)
     tcase_add_test(tc, of_a_rigid_animation_mixed_weights_keep_several_bones_that_fade_into_each_other);
     tcase_add_test(tc, of_a_rigid_animation_one_bone_is_all_that_reconstruction_needs);
     tcase_add_test(tc, animation_weights_reconstruct_better_than_mixed_and_those_better_than_geometric);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

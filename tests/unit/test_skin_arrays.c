@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 enum { VERTICES = 4, BONES = 3, SLOTS = 3, FRAMES = 2 };
@@ -270,8 +271,6 @@ int main(void)
 {
     Suite *suite = suite_create("skin_arrays");
     TCase *tc = tcase_create("arrays");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_test(tc, weights_come_back_joined_sorted_and_with_sums_of_exactly_one);
     tcase_add_test(tc, parts_are_copies_that_outlive_arrays_and_context);
@@ -281,10 +280,5 @@ int main(void)
     tcase_add_loop_test(tc, bad_arrays_are_refused_by_name, 0, (int)(sizeof BAD / sizeof *BAD));
     tcase_add_test(tc, measuring_gives_the_distances_that_were_put_in);
     tcase_add_loop_test(tc, every_allocation_may_fail, 0, 2);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "awkward.h"
+#include "runner.h"
 #include "support.h"
 
 static void check_skin(const sph_skin *skin, const char *name)
@@ -87,14 +88,7 @@ int main(void)
 {
     Suite *suite = suite_create("skin_awkward");
     TCase *tc = tcase_create("inputs");
-    SRunner *runner;
-    int failed;
     tcase_add_loop_test(tc, every_kind_of_input_gives_a_skin_at_every_kind_of_level, 0, 3);
     tcase_add_loop_test(tc, of_more_bones_within_reach_than_can_be_weighed_the_nearest_are, 0, 3);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "runner.h"
 #include "skin_rig.h"
 #include "support.h"
 
@@ -311,8 +312,6 @@ int main(void)
 {
     Suite *suite = suite_create("skin_options");
     TCase *tc = tcase_create("options");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, results_do_not_depend_on_threads_or_executors, 0, 3);
     tcase_add_test(tc, clips_of_one_mesh_are_solved_as_one_animation_and_keep_their_names);
@@ -323,10 +322,5 @@ int main(void)
     tcase_add_test(tc, bones_of_little_influence_take_the_mean_pose_of_their_neighbours);
     tcase_add_test(tc, progress_rises_and_any_report_may_cancel);
     tcase_add_loop_test(tc, every_allocation_may_fail, 0, 2);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

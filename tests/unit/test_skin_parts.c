@@ -11,6 +11,7 @@
 #include "skin/heat.h"
 #include "skin/learn.h"
 #include "skin/visible.h"
+#include "runner.h"
 #include "skin_rig.h"
 #include "support.h"
 
@@ -333,17 +334,10 @@ int main(void)
 {
     Suite *suite = suite_create("skin_parts");
     TCase *tc = tcase_create("parts");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_test(tc, bone_heat_agrees_with_a_dense_solution_and_sums_to_one);
     tcase_add_test(tc, visibility_agrees_with_a_test_of_all_triangles);
     tcase_add_test(tc, filtered_weights_are_gaussian_means_over_ways_along_edges);
     tcase_add_loop_test(tc, no_vertex_goal_rises_in_a_mixed_step_and_shares_say_which_way_it_leans, 1, 4);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "runner.h"
 #include "skin_rig.h"
 #include "support.h"
 
@@ -123,15 +124,8 @@ int main(void)
 {
     Suite *suite = suite_create("skin_refusals");
     TCase *tc = tcase_create("refusals");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, bad_input_is_refused_by_name, 0, (int)(sizeof BAD / sizeof *BAD));
     tcase_add_test(tc, missing_arguments_are_refused);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "mesh_check.h"
+#include "runner.h"
 #include "support.h"
 #include "surface_shapes.h"
 
@@ -203,8 +204,6 @@ int main(void)
 {
     Suite *suite = suite_create("surface");
     TCase *shapes = tcase_create("shapes"), *distances = tcase_create("distances");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(shapes, setup, teardown);
     tcase_add_loop_test(shapes, shapes_have_closed_manifold_surfaces_of_their_topology, 0, SHAPES);
     tcase_add_loop_test(shapes, area_and_volume_of_a_sphere_and_a_capsule_converge, 0, 2);
@@ -216,9 +215,5 @@ int main(void)
     tcase_add_loop_test(distances, vertices_are_on_the_surface_and_triangles_near_it, 0, SHAPES);
     tcase_add_loop_test(distances, surfaces_of_random_levels_separate_inside_from_outside, 0, 20);
     suite_add_tcase(suite, distances);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_all(suite);
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include <check.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 #include "surface_shapes.h"
 
@@ -250,8 +250,6 @@ int main(void)
 {
     Suite *suite = suite_create("surface_limits");
     TCase *limits = tcase_create("limits");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(limits, setup, teardown);
     tcase_add_test(limits, surfaces_are_the_same_for_any_threads_and_executor);
     tcase_add_test(limits, a_frame_is_the_same_alone_and_in_a_sequence);
@@ -261,9 +259,5 @@ int main(void)
     tcase_add_test(limits, what_cannot_be_extracted_is_refused_with_a_reason);
     tcase_add_test(limits, getters_take_null_and_any_index);
     suite_add_tcase(suite, limits);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_all(suite);
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 enum { THREADS = 3, FRAMES = 3 };
@@ -180,15 +181,8 @@ int main(void)
 {
     Suite *suite = suite_create("threads");
     TCase *tc = tcase_create("threads");
-    SRunner *runner;
-    int failed;
     tcase_add_loop_test(tc, hierarchies_with_contexts_of_their_own_are_built_at_once, 1, 4);
     tcase_add_loop_test(tc, hierarchies_of_one_context_and_one_animation_are_built_at_once, 1, 4);
     tcase_add_loop_test(tc, one_set_of_handles_is_read_at_once, 1, 4);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return run_suite(suite, tc);
 }
