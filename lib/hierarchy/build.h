@@ -5,10 +5,10 @@
 
 #include "animation/animation.h"
 #include "hierarchy/blocks.h"
-#include "hierarchy/connectivity.h"
+#include "hierarchy/edge_queue.h"
 #include "hierarchy/hierarchy.h"
+#include "hierarchy/inversion.h"
 #include "hierarchy/kernel.h"
-#include "numeric/heap.h"
 
 /* A live region keeps its data in the slot of one of its leaves. */
 typedef struct sph__slot {
@@ -28,16 +28,7 @@ typedef struct sph__candidate {
     double lambda, radius;
     double width;    /* of the union where it was needed, else 0 */
     uint8_t exact;   /* cost is that of the exact radius bound; else a lower bound of it */
-    uint8_t refused; /* inverts triangles */
 } sph__candidate;
-
-/* The simplices of nodes at their birth, in order. */
-typedef struct sph__births {
-    uint32_t *edges;     /* other ends */
-    size_t edge_count, edge_capacity;
-    uint32_t *triangles; /* other corners */
-    size_t triangle_count, triangle_capacity; /* indices: two per triangle */
-} sph__births;
 
 /* Points of a union whose extents are taken before those of all. */
 enum { SPH__WITNESSES = 4 };
@@ -106,7 +97,7 @@ typedef struct sph__builder {
     struct sph__guesses *guesses; /* NULL with one thread */
     sph__connectivity mesh;
     sph__candidate *candidates; /* per edge */
-    sph__heap queue, refused;
+    sph__edge_queue queue;
     float *new_center;    /* [3][stride] */
     float *new_block;     /* [rows][stride] */
     /* With radii per frame: */
@@ -115,8 +106,6 @@ typedef struct sph__builder {
     uint32_t exact_edge;
     double live_cost, live_weight; /* of all regions: costs, W */
     sph__births births;
-    sph__keyed *keys; /* scratch */
-    size_t key_capacity;
 } sph__builder;
 
 static inline float *sph__node_center(const sph__builder *b, uint32_t node)
@@ -147,10 +136,6 @@ void sph__restore_size(sph__builder *b);
 
 /* `largest`: of all coordinates, without sign. */
 void sph__normalise_size(sph__builder *b, double largest);
-/* Appends the simplices of `node`, just born, to the records. */
-sph_status sph__record_births(sph__builder *b, uint32_t node);
-/* The same for all leaves, before decimation. */
-sph_status sph__record_leaves(sph__builder *b);
 
 /*
  * Importance from curvature: the plane that a vertex of positive curvature adds to its leaf's quadric; returns what it
@@ -207,22 +192,6 @@ static inline sph__slot *sph__slot_of(const sph__builder *b, uint32_t node)
     return &b->slots[b->slot_of[node]];
 }
 
-/* The ends of an edge, the smaller first. */
-static inline void sph__edge_ends(const sph__builder *b, uint32_t edge, uint32_t *u, uint32_t *v)
-{
-    const uint32_t *ends = b->mesh.edges[edge];
-    *u = ends[0] < ends[1] ? ends[0] : ends[1];
-    *v = ends[0] < ends[1] ? ends[1] : ends[0];
-}
-
-/* Edges of equal cost go by their ends. */
-static inline uint64_t sph__edge_tie(const sph__builder *b, uint32_t edge)
-{
-    uint32_t u, v;
-    sph__edge_ends(b, edge, &u, &v);
-    return (uint64_t)u << 32 | v;
-}
-
 /* The cost of an edge with the best bound of the radius that is at hand: exact where the bound does not matter, else a
  * lower bound of the cost. Both ends have blocks. */
 double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candidate);
@@ -233,7 +202,10 @@ double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const 
 sph_status sph__evaluate_exactly(const sph__builder *b, sph__extents *extents, uint32_t edge, sph__candidate *candidate,
                                  double *cost);
 /* Whether one of the surviving triangles of u or v turns over when both move to `center`. */
-bool sph__inverts(const sph__builder *b, uint32_t u, uint32_t v, const float *center);
+static inline bool sph__inverts(const sph__builder *b, uint32_t u, uint32_t v, const float *center)
+{
+    return sph__collapse_inverts(&b->mesh, b->h->centers, b->stride, u, v, center);
+}
 /* The costs of all edges of the input, into the queue. */
 sph_status sph__fill_queue(sph__builder *b);
 

@@ -40,6 +40,13 @@ static sph_status make_edges(sph__connectivity *c, const uint32_t *triangles, si
     return c->edges == NULL ? sph__fail_memory(c->context) : SPH_OK;
 }
 
+/* Which way round the corners run from the lowest: to the highest next, or not. */
+static uint32_t winding_of(const uint32_t p[3])
+{
+    const unsigned first = p[0] < p[1] ? (p[0] < p[2] ? 0 : 2) : (p[1] < p[2] ? 1 : 2);
+    return p[(first + 1) % 3] > p[(first + 2) % 3];
+}
+
 static bool same_corners(const uint32_t a[3], const uint32_t b[3])
 {
     for (unsigned k = 0; k < 3; ++k)
@@ -47,9 +54,12 @@ static bool same_corners(const uint32_t a[3], const uint32_t b[3])
     return true;
 }
 
+/* Set in what triangles are sorted by where the two windings are told apart, and this is the other one. */
+#define OTHER_WINDING UINT32_C(0x80000000)
+
 /* Triangles with three different corners, the first of those with the same ones. Sorted by two corners and then compared
  * within the group by a second sort on the third. */
-static sph_status make_triangles(sph__connectivity *c, const uint32_t *triangles, size_t triangle_count)
+static sph_status make_triangles(sph__connectivity *c, const uint32_t *triangles, size_t triangle_count, uint32_t *numbers)
 {
     size_t count = 0;
     sph__keyed *keys = sph__alloc(c->context, triangle_count, sizeof *keys);
@@ -66,22 +76,28 @@ static sph_status make_triangles(sph__connectivity *c, const uint32_t *triangles
         const uint32_t high = p[0] > p[1] ? (p[0] > p[2] ? p[0] : p[2]) : (p[1] > p[2] ? p[1] : p[2]);
         if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) continue;
         third[t] = p[0] ^ p[1] ^ p[2] ^ low ^ high;
-        keys[count++] = (sph__keyed){(uint64_t)low << 32 | high, (uint64_t)third[t] << 32 | t};
+        keys[count] = (sph__keyed){(uint64_t)low << 32 | high, (uint64_t)third[t] << 32 | t};
+        if (c->two_sided && winding_of(p)) keys[count].item |= OTHER_WINDING;
+        ++count;
     }
     sph__sort(keys, count);
     for (size_t i = 1, kept = 0; i < count; ++i) {
-        const uint32_t *a = triangles + 3 * (size_t)(uint32_t)keys[kept].item;
-        const uint32_t *b = triangles + 3 * (size_t)(uint32_t)keys[i].item;
-        if (same_corners(a, b))
+        const uint32_t ta = (uint32_t)keys[kept].item & ~OTHER_WINDING, tb = (uint32_t)keys[i].item & ~OTHER_WINDING;
+        const bool same_side = (((uint32_t)keys[kept].item ^ (uint32_t)keys[i].item) & OTHER_WINDING) == 0;
+        if (same_side && same_corners(triangles + 3 * (size_t)ta, triangles + 3 * (size_t)tb))
             keys[i].key = UINT64_MAX; /* not the first */
         else
             kept = i;
     }
-    for (size_t i = 0; i < count; ++i) keys[i].key = keys[i].key == UINT64_MAX ? UINT64_MAX : (uint32_t)keys[i].item;
-    for (size_t i = 0; i < count; ++i) keys[i].item = (uint32_t)keys[i].item;
+    for (size_t i = 0; i < count; ++i) {
+        keys[i].item = (uint32_t)keys[i].item & ~OTHER_WINDING;
+        if (keys[i].key != UINT64_MAX) keys[i].key = keys[i].item;
+    }
     sph__sort(keys, count); /* back into the order of the input */
-    for (size_t i = 0; i < count && keys[i].key != UINT64_MAX; ++i)
+    for (size_t i = 0; i < count && keys[i].key != UINT64_MAX; ++i) {
+        if (numbers != NULL) numbers[i] = (uint32_t)keys[i].item;
         memcpy(c->triangles[c->triangle_count++], triangles + 3 * keys[i].item, sizeof *c->triangles);
+    }
     sph__free(c->context, keys);
     sph__free(c->context, third);
     return SPH_OK;
@@ -100,13 +116,13 @@ static sph_status list_incidences(sph__connectivity *c)
 
 sph_status sph__connectivity_init(sph__connectivity *c, const sph_context *context, uint32_t vertex_count,
                                   const uint32_t *triangles, size_t triangle_count, const uint32_t *edges,
-                                  size_t edge_count)
+                                  size_t edge_count, bool two_sided, uint32_t *numbers)
 {
     const size_t node_count = 2 * (size_t)vertex_count;
     sph_status status;
-    *c = (sph__connectivity){.context = context};
+    *c = (sph__connectivity){.context = context, .two_sided = two_sided};
     status = make_edges(c, triangles, triangle_count, edges, edge_count);
-    if (status == SPH_OK) status = make_triangles(c, triangles, triangle_count);
+    if (status == SPH_OK) status = make_triangles(c, triangles, triangle_count, numbers);
     if (status == SPH_OK) status = sph__lists_init(&c->node_edges, context, node_count);
     if (status == SPH_OK) status = sph__lists_init(&c->node_triangles, context, node_count);
     if (status == SPH_OK) {
@@ -171,7 +187,8 @@ static sph_status unite_triangles(sph__connectivity *c, uint32_t w)
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t others[2];
         sph__triangle_others(c, items[i], w, others);
-        c->keys[i] = (sph__keyed){edge_key(others[0], others[1]), items[i]};
+        c->keys[i] = (sph__keyed){c->two_sided ? (uint64_t)others[0] << 32 | others[1] : edge_key(others[0], others[1]),
+                                  items[i]};
     }
     sph__sort(c->keys, count);
     for (uint32_t i = 1; i < count; ++i)

@@ -8,6 +8,7 @@
 
 typedef struct sph__connectivity {
     const sph_context *context;
+    bool two_sided; /* triangles of the same corners, wound the other way, are two */
     uint32_t (*edges)[2];     /* ends; an edge keeps its number when an end is renamed */
     uint32_t edge_count;      /* at the start; numbers are never reused */
     uint32_t (*triangles)[3]; /* corners in the order of their winding */
@@ -22,11 +23,12 @@ typedef struct sph__connectivity {
 
 /*
  * Unique edges and triangles of the input. Simplices that name a vertex twice keep what is left of them. Nodes up to
- * 2 * vertex_count - 2 may come to be.
+ * 2 * vertex_count - 2 may come to be. `numbers`, where not NULL, has room for triangle_count: the input's number of each
+ * triangle that is kept.
  */
 sph_status sph__connectivity_init(sph__connectivity *c, const sph_context *context, uint32_t vertex_count,
                                   const uint32_t *triangles, size_t triangle_count, const uint32_t *edges,
-                                  size_t edge_count);
+                                  size_t edge_count, bool two_sided, uint32_t *numbers);
 void sph__connectivity_free(sph__connectivity *c);
 
 static inline uint32_t sph__edge_other(const sph__connectivity *c, uint32_t edge, uint32_t node)

@@ -15,7 +15,7 @@ typedef struct place_set {
 #define ABSENT UINT32_MAX
 
 struct sph_cursor {
-    const sph_hierarchy *h;
+    sph__collapses h;
     uint32_t end; /* nodes alive are below */
     uint32_t edge_total, triangle_total;
     uint32_t *edge_young, *triangle_young; /* per place: the youngest vertex */
@@ -49,7 +49,7 @@ static sph_status make_set(const sph_context *context, place_set *set, size_t ra
 }
 
 /* The collapse that ends a node; C for roots. */
-static uint32_t death_of(const sph_hierarchy *h, uint32_t node)
+static uint32_t death_of(const sph__collapses *h, uint32_t node)
 {
     return h->parents[node] == SPH__NO_NODE ? h->collapse_count : h->parents[node] - h->vertex_count;
 }
@@ -61,25 +61,25 @@ static uint32_t earlier(uint32_t a, uint32_t b)
 
 static uint32_t edge_death(const sph_cursor *c, size_t e)
 {
-    return earlier(death_of(c->h, c->edge_young[e]), death_of(c->h, c->h->edge_others[e]));
+    return earlier(death_of(&c->h, c->edge_young[e]), death_of(&c->h, c->h.edge_others[e]));
 }
 
 static uint32_t triangle_death(const sph_cursor *c, size_t t)
 {
-    const uint32_t *others = c->h->triangle_others + 2 * t;
-    return earlier(death_of(c->h, c->triangle_young[t]),
-                   earlier(death_of(c->h, others[0]), death_of(c->h, others[1])));
+    const uint32_t *others = c->h.triangle_others + 2 * t;
+    return earlier(death_of(&c->h, c->triangle_young[t]),
+                   earlier(death_of(&c->h, others[0]), death_of(&c->h, others[1])));
 }
 
 /* Groups places by their death: counting sort, in the order of places. */
 static sph_status group_deaths(const sph_cursor *c, uint32_t total, uint32_t (*death)(const sph_cursor *, size_t),
                                uint32_t **places, size_t **starts)
 {
-    const uint32_t groups = c->h->collapse_count + 1; /* the last never die */
+    const uint32_t groups = c->h.collapse_count + 1; /* the last never die */
     size_t sum = 0;
-    *places = sph__alloc(c->h->context, total, sizeof **places);
-    *starts = sph__zalloc(c->h->context, (size_t)groups + 1, sizeof **starts);
-    if (*places == NULL || *starts == NULL) return sph__fail_memory(c->h->context);
+    *places = sph__alloc(c->h.context, total, sizeof **places);
+    *starts = sph__zalloc(c->h.context, (size_t)groups + 1, sizeof **starts);
+    if (*places == NULL || *starts == NULL) return sph__fail_memory(c->h.context);
     for (size_t i = 0; i < total; ++i) ++(*starts)[death(c, i) + 1];
     for (uint32_t g = 0; g < groups; ++g) {
         const size_t count = (*starts)[g + 1];
@@ -101,10 +101,10 @@ static sph_status name_young(const sph_context *context, const size_t *starts, u
 
 static void triangle_edges(const sph_cursor *c, size_t t, uint32_t edges[3])
 {
-    const uint32_t young = c->triangle_young[t], x = c->h->triangle_others[2 * t], y = c->h->triangle_others[2 * t + 1];
-    edges[0] = (uint32_t)sph__hierarchy_find_edge(c->h, young, x);
-    edges[1] = (uint32_t)sph__hierarchy_find_edge(c->h, young, y);
-    edges[2] = (uint32_t)sph__hierarchy_find_edge(c->h, x > y ? x : y, x > y ? y : x);
+    const uint32_t young = c->triangle_young[t], x = c->h.triangle_others[2 * t], y = c->h.triangle_others[2 * t + 1];
+    edges[0] = (uint32_t)sph__collapses_find_edge(&c->h, young, x);
+    edges[1] = (uint32_t)sph__collapses_find_edge(&c->h, young, y);
+    edges[2] = (uint32_t)sph__collapses_find_edge(&c->h, x > y ? x : y, x > y ? y : x);
 }
 
 static void add_edge(sph_cursor *c, uint32_t e)
@@ -138,7 +138,7 @@ static void remove_triangle(sph_cursor *c, uint32_t t)
 
 static void collapse(sph_cursor *c)
 {
-    const sph_hierarchy *h = c->h;
+    const sph__collapses *h = &c->h;
     const uint32_t w = c->end++, t = w - h->vertex_count;
     for (size_t i = c->triangle_death_starts[t]; i < c->triangle_death_starts[t + 1]; ++i)
         remove_triangle(c, c->triangle_deaths[i]);
@@ -151,7 +151,7 @@ static void collapse(sph_cursor *c)
 
 static void split(sph_cursor *c)
 {
-    const sph_hierarchy *h = c->h;
+    const sph__collapses *h = &c->h;
     const uint32_t w = --c->end, t = w - h->vertex_count;
     for (size_t i = h->triangle_starts[w]; i < h->triangle_starts[w + 1]; ++i) remove_triangle(c, (uint32_t)i);
     for (size_t i = h->edge_starts[w]; i < h->edge_starts[w + 1]; ++i) remove_edge(c, (uint32_t)i);
@@ -164,8 +164,8 @@ static void split(sph_cursor *c)
 
 static sph_status make_tables(sph_cursor *c)
 {
-    const sph_hierarchy *h = c->h;
-    const uint32_t nodes = sph__node_count(h);
+    const sph__collapses *h = &c->h;
+    const uint32_t nodes = sph__collapses_node_count(h);
     sph_status status;
     if (h->edge_starts[nodes] >= ABSENT || h->triangle_starts[nodes] >= ABSENT)
         return sph__fail(h->context, SPH_E_LIMIT, "more than 2^32 - 2 simplices in all levels");
@@ -184,16 +184,14 @@ static sph_status make_tables(sph_cursor *c)
     return c->edge_triangles == NULL ? sph__fail_memory(h->context) : SPH_OK;
 }
 
-sph_status sph_cursor_create(const sph_hierarchy *h, sph_cursor **out)
+sph_status sph__cursor_create(const sph__collapses *h, sph_cursor **out)
 {
     sph_cursor *c;
     sph_status status;
-    if (out == NULL) return SPH_E_INVALID;
     *out = NULL;
-    if (h == NULL) return SPH_E_INVALID;
     c = sph__zalloc(h->context, 1, sizeof *c);
     if (c == NULL) return sph__fail_memory(h->context);
-    c->h = h;
+    c->h = *h;
     status = make_tables(c);
     if (status != SPH_OK) {
         sph_cursor_destroy(c);
@@ -211,7 +209,7 @@ void sph_cursor_destroy(sph_cursor *c)
 {
     const sph_context *context;
     if (c == NULL) return;
-    context = c->h->context;
+    context = c->h.context;
     sph__free(context, c->edge_young);
     sph__free(context, c->triangle_young);
     sph__free(context, c->edge_deaths);
@@ -231,10 +229,10 @@ sph_status sph_cursor_move(sph_cursor *c, uint32_t sphere_count)
 {
     uint32_t end;
     if (c == NULL) return SPH_E_INVALID;
-    if (sphere_count > c->h->vertex_count || sphere_count < c->h->vertex_count - c->h->collapse_count)
-        return sph__fail(c->h->context, SPH_E_INVALID, "%u spheres: the hierarchy has levels from %u to %u",
-                         sphere_count, c->h->vertex_count - c->h->collapse_count, c->h->vertex_count);
-    end = c->h->vertex_count + (c->h->vertex_count - sphere_count);
+    if (sphere_count > c->h.vertex_count || sphere_count < c->h.vertex_count - c->h.collapse_count)
+        return sph__fail(c->h.context, SPH_E_INVALID, "%u spheres: the hierarchy has levels from %u to %u",
+                         sphere_count, c->h.vertex_count - c->h.collapse_count, c->h.vertex_count);
+    end = c->h.vertex_count + (c->h.vertex_count - sphere_count);
     while (c->end < end) collapse(c);
     while (c->end > end) split(c);
     return SPH_OK;
@@ -269,21 +267,21 @@ sph_status sph_cursor_read(const sph_cursor *c, uint32_t *nodes, uint32_t *edges
     if (c == NULL) return SPH_E_INVALID;
     most = c->nodes.count > c->wires.count ? c->nodes.count : c->wires.count;
     most = most > c->triangles.count ? most : c->triangles.count;
-    keys = sph__alloc(c->h->context, most, sizeof *keys);
-    if (keys == NULL) return sph__fail_memory(c->h->context);
+    keys = sph__alloc(c->h.context, most, sizeof *keys);
+    if (keys == NULL) return sph__fail_memory(c->h.context);
     if (nodes != NULL) read_nodes(c, nodes, keys);
     for (uint32_t i = 0; i < c->wires.count && edges != NULL; ++i) {
-        edges[2 * (size_t)i] = c->h->edge_others[c->wires.members[i]];
+        edges[2 * (size_t)i] = c->h.edge_others[c->wires.members[i]];
         edges[2 * (size_t)i + 1] = c->edge_young[c->wires.members[i]];
     }
     for (uint32_t i = 0; i < c->triangles.count && triangles != NULL; ++i) {
         const size_t t = c->triangles.members[i];
         triangles[3 * (size_t)i] = c->triangle_young[t];
-        triangles[3 * (size_t)i + 1] = c->h->triangle_others[2 * t];
-        triangles[3 * (size_t)i + 2] = c->h->triangle_others[2 * t + 1];
+        triangles[3 * (size_t)i + 1] = c->h.triangle_others[2 * t];
+        triangles[3 * (size_t)i + 2] = c->h.triangle_others[2 * t + 1];
     }
     if (edges != NULL) sph__order_edges(edges, c->wires.count, keys);
     if (triangles != NULL) sph__order_triangles(triangles, c->triangles.count, keys);
-    sph__free(c->h->context, keys);
+    sph__free(c->h.context, keys);
     return SPH_OK;
 }

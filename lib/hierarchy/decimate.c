@@ -9,7 +9,7 @@ static sph_status need_ends(sph__builder *b, uint32_t edge)
 {
     uint32_t u, v;
     sph_status status;
-    sph__edge_ends(b, edge, &u, &v);
+    sph__edge_ends(&b->mesh, edge, &u, &v);
     sph__release_leaves(b);
     status = sph__need_leaf(b, u);
     return status == SPH_OK ? sph__need_leaf(b, v) : status;
@@ -25,24 +25,7 @@ static sph_status push(sph__builder *b, uint32_t edge, uint32_t node, const sph_
         if (status != SPH_OK) return status;
         cost = sph__evaluate(b, edge, &b->candidates[edge]);
     }
-    return sph__heap_set(&b->queue, edge, cost, sph__edge_tie(b, edge));
-}
-
-/* Refused edges around a node come back: its triangles have changed. */
-static sph_status readmit_around(sph__builder *b, uint32_t node)
-{
-    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
-    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
-    for (uint32_t i = 0; i < count; ++i) {
-        sph__candidate *candidate = &b->candidates[edges[i]];
-        sph_status status;
-        if (!candidate->refused) continue;
-        candidate->refused = 0;
-        status = sph__heap_set(&b->queue, edges[i], sph__heap_key(&b->refused, edges[i]), sph__edge_tie(b, edges[i]));
-        sph__heap_remove(&b->refused, edges[i]);
-        if (status != SPH_OK) return status;
-    }
-    return SPH_OK;
+    return sph__edge_queue_set(&b->queue, &b->mesh, edge, cost);
 }
 
 /* The united region's block, to where u or v had theirs, or to a new place. */
@@ -156,21 +139,13 @@ static sph_status collapse(sph__builder *b, uint32_t u, uint32_t v, const sph__c
     sph_status status = unite_regions(b, u, v, w, candidate, guess);
     if (status == SPH_OK) status = sph__connectivity_collapse(&b->mesh, u, v, w);
     if (status != SPH_OK) return status;
-    for (size_t i = 0; i < b->mesh.removed_count; ++i) {
-        sph__heap_remove(&b->queue, b->mesh.removed[i]);
-        sph__heap_remove(&b->refused, b->mesh.removed[i]);
-    }
+    sph__edge_queue_forget(&b->queue, &b->mesh);
     if (guess == NULL) prefetch_around(b, w);
     record_collapse(b, u, v, w, forced);
-    status = sph__record_births(b, w);
-    for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_edges, w) && status == SPH_OK; ++i) {
-        const uint32_t e = sph__list_items(&b->mesh.node_edges, w)[i];
-        if (b->candidates[e].refused) sph__heap_remove(&b->refused, e);
-        status = push(b, e, w, guess);
-    }
+    status = sph__births_add(&b->births, &b->mesh, w);
     for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_edges, w) && status == SPH_OK; ++i)
-        status = readmit_around(b, sph__edge_other(&b->mesh, sph__list_items(&b->mesh.node_edges, w)[i], w));
-    return status;
+        status = push(b, sph__list_items(&b->mesh.node_edges, w)[i], w, guess);
+    return status == SPH_OK ? sph__edge_queue_readmit(&b->queue, &b->mesh, w) : status;
 }
 
 /* The exact cost of an edge that is on top of the queue. */
@@ -186,7 +161,7 @@ static sph_status make_exact(sph__builder *b, uint32_t edge, double *cost)
     status = need_ends(b, edge);
     if (status != SPH_OK) return status;
     if (!b->h->radii_per_frame) return sph__evaluate_exactly(b, &b->extents, edge, &b->candidates[edge], cost);
-    sph__edge_ends(b, edge, &u, &v);
+    sph__edge_ends(&b->mesh, edge, &u, &v);
     status = sph__union_frame_widths(b, &b->extents, sph__slot_of(b, u), sph__slot_of(b, v), b->union_widths);
     if (status != SPH_OK) return status;
     b->candidates[edge].exact = 1;
@@ -200,21 +175,21 @@ static sph_status next_edge(sph__builder *b, uint32_t *edge, double *cost, bool 
 {
     for (;;) {
         sph_status status = SPH_OK;
-        *forced = !sph__heap_top(&b->queue, edge);
+        *forced = !sph__heap_top(&b->queue.open, edge);
         if (*forced) {
-            sph__heap_pop(&b->refused, edge);
+            sph__heap_pop(&b->queue.refused, edge);
             return SPH_OK;
         }
         if (sph__guess_find(b, *edge) == NULL) status = sph__guess_ahead(b);
         if (status != SPH_OK) return status;
-        sph__heap_top(&b->queue, edge);
-        *cost = sph__heap_key(&b->queue, *edge);
+        sph__heap_top(&b->queue.open, edge);
+        *cost = sph__heap_key(&b->queue.open, *edge);
         if (b->candidates[*edge].exact) {
-            sph__heap_pop(&b->queue, edge);
+            sph__heap_pop(&b->queue.open, edge);
             return SPH_OK;
         }
         status = make_exact(b, *edge, cost);
-        if (status == SPH_OK) status = sph__heap_set(&b->queue, *edge, *cost, sph__edge_tie(b, *edge));
+        if (status == SPH_OK) status = sph__heap_set(&b->queue.open, *edge, *cost, sph__edge_tie(&b->mesh, *edge));
         if (status != SPH_OK) return status;
     }
 }
@@ -248,7 +223,7 @@ static sph_status step(sph__builder *b)
     const sph__guess *guess;
     sph_status status = next_edge(b, &edge, &cost, &forced);
     if (status != SPH_OK) return status;
-    sph__edge_ends(b, edge, &u, &v);
+    sph__edge_ends(&b->mesh, edge, &u, &v);
     guess = forced ? NULL : sph__guess_find(b, edge);
     if (guess == NULL || !sph__guess_sphere(b, guess, &inverts)) {
         guess = NULL;
@@ -256,10 +231,7 @@ static sph_status step(sph__builder *b)
         if (status != SPH_OK) return status;
         inverts = !forced && sph__inverts(b, u, v, b->new_center);
     }
-    if (inverts) {
-        b->candidates[edge].refused = 1;
-        return sph__heap_set(&b->refused, edge, cost, sph__edge_tie(b, edge));
-    }
+    if (inverts) return sph__edge_queue_refuse(&b->queue, &b->mesh, edge, cost);
     return collapse(b, u, v, &b->candidates[edge], forced, guess);
 }
 
@@ -277,7 +249,7 @@ sph_status sph__decimate(sph__builder *b)
     /* As often for the same amount of memory that is passed: a host may have to look after it. */
     report_every = b->stride < 1024 ? (uint32_t)(1024 / b->stride) : 1;
     if (report_every > 64) report_every = 64;
-    while (status == SPH_OK && (sph__heap_count(&b->queue) > 0 || sph__heap_count(&b->refused) > 0)) {
+    while (status == SPH_OK && !sph__edge_queue_is_empty(&b->queue)) {
         if (b->h->collapse_count % report_every == 0)
             status = sph__progress_report(&b->progress, "decimation", (double)b->h->collapse_count / b->n);
         if (status == SPH_OK) status = step(b);

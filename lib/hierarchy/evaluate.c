@@ -52,7 +52,7 @@ double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candi
 {
     uint32_t nu, nv;
     sph__region u, v;
-    sph__edge_ends(b, edge, &nu, &nv);
+    sph__edge_ends(&b->mesh, edge, &nu, &nv);
     if (b->h->radii_per_frame) {
         *candidate = (sph__candidate){.exact = 0};
         return sph__per_frame_cost(b, nu, nv, NULL);
@@ -70,7 +70,7 @@ sph_status sph__evaluate_exactly(const sph__builder *b, sph__extents *extents, u
     sph__sums sums;
     sph__minimum minimum;
     sph_status status;
-    sph__edge_ends(b, edge, &nu, &nv);
+    sph__edge_ends(&b->mesh, edge, &nu, &nv);
     u = sph__region_of(b, nu);
     v = sph__region_of(b, nv);
     sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
@@ -82,25 +82,4 @@ sph_status sph__evaluate_exactly(const sph__builder *b, sph__extents *extents, u
     candidate->radius = minimum.radius;
     *cost = minimum.cost;
     return SPH_OK;
-}
-
-/* Whether one of the surviving triangles of `node` turns over when the node moves to the new centre. */
-static bool inverts_around(const sph__builder *b, uint32_t node, uint32_t other, const float *center)
-{
-    const uint32_t *triangles = sph__list_items(&b->mesh.node_triangles, node);
-    const uint32_t count = sph__list_count(&b->mesh.node_triangles, node);
-    for (uint32_t i = 0; i < count; ++i) {
-        uint32_t x[2];
-        sph__triangle_others(&b->mesh, triangles[i], node, x);
-        if (x[0] == other || x[1] == other) continue;
-        if (sph__kernel_inversion(sph__node_center(b, x[0]), sph__node_center(b, x[1]), sph__node_center(b, node),
-                                  center, b->stride) < 0)
-            return true;
-    }
-    return false;
-}
-
-bool sph__inverts(const sph__builder *b, uint32_t u, uint32_t v, const float *center)
-{
-    return inverts_around(b, u, v, center) || inverts_around(b, v, u, center);
 }

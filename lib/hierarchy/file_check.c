@@ -67,18 +67,19 @@ static sph_status check_edges(const sph__container *c, const sph_hierarchy *h)
     return SPH_OK;
 }
 
-static bool has_edge(const sph_hierarchy *h, uint32_t a, uint32_t b)
+static bool has_edge(const sph__collapses *h, uint32_t a, uint32_t b)
 {
-    return sph__hierarchy_find_edge(h, a > b ? a : b, a > b ? b : a) != SIZE_MAX;
+    return sph__collapses_find_edge(h, a > b ? a : b, a > b ? b : a) != SIZE_MAX;
 }
 
 static sph_status check_triangles(const sph__container *c, const sph_hierarchy *h)
 {
+    const sph__collapses edges = sph__hierarchy_collapses(h);
     for (uint32_t node = 0; node < sph__node_count(h); ++node)
         for (size_t t = h->triangle_starts[node]; t < h->triangle_starts[node + 1]; ++t) {
             const uint32_t x = h->triangle_others[2 * t], y = h->triangle_others[2 * t + 1];
-            if (x == y || !meets(h, node, x) || !meets(h, node, y) || !has_edge(h, node, x) || !has_edge(h, node, y) ||
-                !has_edge(h, x, y))
+            if (x == y || !meets(h, node, x) || !meets(h, node, y) || !has_edge(&edges, node, x) || !has_edge(&edges, node, y) ||
+                !has_edge(&edges, x, y))
                 return bad(c, SPH__CHUNK_TRIANGLES, 4, 2 * t, "a triangle that cannot be");
         }
     return SPH_OK;

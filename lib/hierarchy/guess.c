@@ -59,7 +59,7 @@ const sph__guess *sph__guess_find(const sph__builder *b, uint32_t edge)
     uint32_t u, v;
     if (b->guesses == NULL || b->guesses->places[edge] == 0) return NULL;
     guess = &b->guesses->items[b->guesses->places[edge] - 1];
-    sph__edge_ends(b, edge, &u, &v);
+    sph__edge_ends(&b->mesh, edge, &u, &v);
     return guess->ready && guess->u == u && guess->v == v ? guess : NULL;
 }
 
@@ -220,8 +220,8 @@ static sph_status prepare(sph__builder *b, sph__guess *guess, uint32_t edge)
     guess->all_others = true;
     guess->other_count = 0;
     guess->candidate = b->candidates[edge];
-    guess->cost = sph__heap_key(&b->queue, edge);
-    sph__edge_ends(b, edge, &guess->u, &guess->v);
+    guess->cost = sph__heap_key(&b->queue.open, edge);
+    sph__edge_ends(&b->mesh, edge, &guess->u, &guess->v);
     g->places[edge] = (uint32_t)(guess - g->items) + 1;
     g->batch[g->batch_count++] = (size_t)(guess - g->items);
     list_others(b, guess, guess->u);
@@ -248,7 +248,7 @@ static sph_status put_off(sph__builder *b)
         if (guess->status != SPH_OK) return sph__fail_memory(b->context);
         if (!guess->far) continue;
         b->candidates[guess->edge] = guess->candidate;
-        status = sph__heap_set(&b->queue, guess->edge, guess->cost, sph__edge_tie(b, guess->edge));
+        status = sph__heap_set(&b->queue.open, guess->edge, guess->cost, sph__edge_tie(&b->mesh, guess->edge));
         if (status != SPH_OK) return status;
         drop(g, guess);
     }
@@ -261,7 +261,7 @@ static bool claim_ends(sph__builder *b, uint32_t edge)
     uint32_t u, v;
     sph__slot *su, *sv;
     bool free;
-    sph__edge_ends(b, edge, &u, &v);
+    sph__edge_ends(&b->mesh, edge, &u, &v);
     su = sph__slot_of(b, u);
     sv = sph__slot_of(b, v);
     free = su->batch != b->guesses->batches && sv->batch != b->guesses->batches;
@@ -274,16 +274,16 @@ static sph_status choose(sph__builder *b)
 {
     sph__guesses *g = b->guesses;
     uint32_t top[SPH__HEAP_FIRST];
-    const size_t count = sph__heap_first(&b->queue, top, SPH__HEAP_FIRST);
+    const size_t count = sph__heap_first(&b->queue.open, top, SPH__HEAP_FIRST);
     sph_status status = SPH_OK;
-    g->limit = count > 0 ? sph__heap_key(&b->queue, top[count - 1]) : 0;
+    g->limit = count > 0 ? sph__heap_key(&b->queue.open, top[count - 1]) : 0;
     ++g->batches;
     g->batch_count = g->fresh_count = 0;
     sph__release_leaves(b);
     for (size_t i = 0; i < count && status == SPH_OK; ++i) {
         sph__guess *guess;
         if (!claim_ends(b, top[i]) || sph__guess_find(b, top[i]) != NULL) continue;
-        if (g->fresh_count > b->leaf_capacity / 2 || (guess = take(b, sph__heap_key(&b->queue, top[i]))) == NULL) break;
+        if (g->fresh_count > b->leaf_capacity / 2 || (guess = take(b, sph__heap_key(&b->queue.open, top[i]))) == NULL) break;
         status = prepare(b, guess, top[i]);
     }
     return status;
@@ -293,7 +293,7 @@ sph_status sph__guess_ahead(sph__builder *b)
 {
     sph__guesses *g = b->guesses;
     sph_status status;
-    if (g == NULL || sph__heap_count(&b->queue) < FEWEST_EDGES) return SPH_OK;
+    if (g == NULL || sph__heap_count(&b->queue.open) < FEWEST_EDGES) return SPH_OK;
     if (g->misses++ % BATCH_EVERY != 0) return SPH_OK;
     status = choose(b);
     if (status != SPH_OK) return status;

@@ -63,6 +63,7 @@ static sph_status allocate_hierarchy(sph__builder *b)
         h->errors == NULL || h->forced == NULL || h->edge_starts == NULL || h->triangle_starts == NULL)
         return sph__fail_memory(b->context);
     for (uint32_t v = 0; v < b->n; ++v) h->parents[v] = SPH__NO_NODE;
+    b->births = (sph__births){.edge_starts = h->edge_starts, .triangle_starts = h->triangle_starts};
     return SPH_OK;
 }
 
@@ -85,8 +86,7 @@ static sph_status allocate_builder(sph__builder *b)
     b->block_budget = (size_t)((double)b->n * b->node_floats * sizeof(float) * BLOCK_SHARE);
     if (b->leaf_rows * b->stride * sizeof(float) <= SMALL_BLOCK) b->block_budget = SIZE_MAX;
     sph__limit_leaves(b);
-    sph__heap_init(&b->queue, b->animation->context);
-    sph__heap_init(&b->refused, b->animation->context);
+    sph__edge_queue_init(&b->queue, b->animation->context);
     if (b->slots == NULL || b->slot_of == NULL || b->next_member == NULL)
         return sph__fail_memory(b->context);
     return SPH_OK;
@@ -118,15 +118,12 @@ static void free_builder(sph__builder *b)
     sph__guesses_destroy(b);
     sph__connectivity_free(&b->mesh);
     sph__free(context, b->candidates);
-    sph__heap_free(&b->queue);
-    sph__heap_free(&b->refused);
+    sph__edge_queue_free(&b->queue);
     sph__free(context, b->new_center);
     sph__free(context, b->new_block);
     sph__free(context, b->new_radii);
     sph__free(context, b->union_widths);
-    sph__free(context, b->births.edges);
-    sph__free(context, b->births.triangles);
-    sph__free(context, b->keys);
+    sph__births_free(&b->births, context);
 }
 
 static sph_status run_steps(sph__builder *b)
@@ -137,7 +134,7 @@ static sph_status run_steps(sph__builder *b)
     if (status == SPH_OK) status = sph__load_frames(b);
     if (status == SPH_OK) status = sph__make_cells(b);
     if (status == SPH_OK)
-        status = sph__connectivity_init(&b->mesh, b->context, b->n, b->cells, b->cell_count, b->wire, b->wire_count);
+        status = sph__connectivity_init(&b->mesh, b->context, b->n, b->cells, b->cell_count, b->wire, b->wire_count, false, NULL);
     sph__progress_part(&b->progress, 0.05);
     if (status == SPH_OK) status = sph__progress_report(&b->progress, "importance", 0);
     if (status == SPH_OK) status = sph__make_importance(b);
@@ -146,12 +143,12 @@ static sph_status run_steps(sph__builder *b)
     if (status == SPH_OK) status = sph__make_leaves(b);
     if (status == SPH_OK && b->h->radii_per_frame) status = sph__per_frame_start(b);
     if (status == SPH_OK) status = sph__make_widths(b);
-    if (status == SPH_OK) status = sph__record_leaves(b);
+    if (status == SPH_OK) status = sph__births_add_leaves(&b->births, &b->mesh, b->n);
     if (status == SPH_OK) status = sph__decimate(b);
     if (status != SPH_OK) return status;
     b->h->edge_others = b->births.edges;
     b->h->triangle_others = b->births.triangles;
-    b->births = (sph__births){0};
+    b->births.edges = b->births.triangles = NULL;
     if (b->h->first_forced == SPH__NO_NODE) b->h->first_forced = b->h->collapse_count;
     sph__restore_size(b);
     status = sph__hierarchy_list_roots(b->h);
@@ -293,21 +290,31 @@ sph_status sph__hierarchy_list_roots(sph_hierarchy *h)
     h->root_count = h->vertex_count - h->collapse_count;
     h->roots = sph__alloc(h->context, h->root_count, sizeof *h->roots);
     if (h->roots == NULL) return sph__fail_memory(h->context);
-    for (uint32_t node = 0, count = 0; node < sph__node_count(h) && count < h->root_count; ++node)
-        if (h->parents[node] == SPH__NO_NODE) h->roots[count++] = node;
+    sph__list_roots(h->parents, sph__node_count(h), h->roots, h->root_count);
     return SPH_OK;
 }
 
-size_t sph__hierarchy_find_edge(const sph_hierarchy *h, uint32_t node, uint32_t other)
+sph__collapses sph__hierarchy_collapses(const sph_hierarchy *h)
 {
-    size_t low = h->edge_starts[node], high = h->edge_starts[node + 1];
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (h->edge_others[middle] == other) return middle;
-        if (h->edge_others[middle] < other)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return SIZE_MAX;
+    return (sph__collapses){.context = h->context,
+                            .vertex_count = h->vertex_count,
+                            .collapse_count = h->collapse_count,
+                            .root_count = h->root_count,
+                            .children = h->children,
+                            .parents = h->parents,
+                            .roots = h->roots,
+                            .edge_starts = h->edge_starts,
+                            .edge_others = h->edge_others,
+                            .triangle_starts = h->triangle_starts,
+                            .triangle_others = h->triangle_others};
+}
+
+sph_status sph_cursor_create(const sph_hierarchy *h, sph_cursor **out)
+{
+    sph__collapses collapses;
+    if (out == NULL) return SPH_E_INVALID;
+    *out = NULL;
+    if (h == NULL) return SPH_E_INVALID;
+    collapses = sph__hierarchy_collapses(h);
+    return sph__cursor_create(&collapses, out);
 }

@@ -5,14 +5,9 @@
 
 #include <sphmesh/hierarchy.h>
 
-#include "base/base.h"
+#include "hierarchy/collapses.h"
 
-#define SPH__NO_NODE UINT32_MAX
-
-/*
- * Nodes are numbered by birth, so a simplex lives from the birth of its youngest vertex to the death of the first that
- * dies: only births need recording. Simplices are kept with their youngest vertex.
- */
+/* Children, parents, roots and simplices are as in sph__collapses. */
 struct sph_hierarchy {
     sph_context *context; /* retained */
     uint32_t vertex_count, frame_count, collapse_count;
@@ -23,16 +18,16 @@ struct sph_hierarchy {
     double bounding_diagonal;
     float *centers;            /* [n + C][3][stride] */
     float *radii;              /* [n + C], or [n + C][stride] */
-    uint32_t *children;        /* [C][2], the smaller first */
-    uint32_t *parents;         /* [n + C], SPH__NO_NODE for roots */
+    uint32_t *children;
+    uint32_t *parents;
     uint32_t root_count;
-    uint32_t *roots;           /* ascending */
+    uint32_t *roots;
     double *costs, *errors;    /* [C] */
     uint8_t *forced;           /* [C] */
-    size_t *edge_starts;       /* [n + C + 1] into edge_others */
-    uint32_t *edge_others;     /* the older end of each edge, ascending per node */
-    size_t *triangle_starts;   /* [n + C + 1], in triangles, into triangle_others */
-    uint32_t *triangle_others; /* [][2] the older corners of each triangle, in the order of its winding */
+    size_t *edge_starts;
+    uint32_t *edge_others;
+    size_t *triangle_starts;
+    uint32_t *triangle_others;
 };
 
 static inline uint32_t sph__node_count(const sph_hierarchy *h)
@@ -40,8 +35,8 @@ static inline uint32_t sph__node_count(const sph_hierarchy *h)
     return h->vertex_count + h->collapse_count;
 }
 
-/* The place of edge (node, other) in edge_others, node the younger; SIZE_MAX where there is none. */
-size_t sph__hierarchy_find_edge(const sph_hierarchy *h, uint32_t node, uint32_t other);
+/* For walking over it. */
+sph__collapses sph__hierarchy_collapses(const sph_hierarchy *h);
 
 /* Lists the roots from the parents: the last step of making a hierarchy. */
 sph_status sph__hierarchy_list_roots(sph_hierarchy *h);

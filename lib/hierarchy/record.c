@@ -1,67 +1,94 @@
 /* SPDX-License-Identifier: MIT */
-/* What the hierarchy keeps of its simplices: each with its youngest vertex. */
-#include "hierarchy/build.h"
+/* What is kept of simplices: each with its youngest vertex. */
+#include "hierarchy/collapses.h"
 
-static sph_status reserve(sph__builder *b, uint32_t edges, uint32_t triangles)
+static sph_status reserve(sph__births *births, const sph_context *context, uint32_t edges, uint32_t triangles)
 {
-    sph__births *births = &b->births;
     const uint32_t most = edges > triangles ? edges : triangles;
-    if (!sph__reserve(b->context, (void **)&births->edges, &births->edge_capacity, births->edge_count + edges,
+    if (!sph__reserve(context, (void **)&births->edges, &births->edge_capacity, births->edge_count + edges,
                       sizeof *births->edges) ||
-        !sph__reserve(b->context, (void **)&births->triangles, &births->triangle_capacity,
+        !sph__reserve(context, (void **)&births->triangles, &births->triangle_capacity,
                       births->triangle_count + 2 * (size_t)triangles, sizeof *births->triangles) ||
-        !sph__reserve(b->context, (void **)&b->keys, &b->key_capacity, most, sizeof *b->keys))
-        return sph__fail_memory(b->context);
+        !sph__reserve(context, (void **)&births->keys, &births->key_capacity, most, sizeof *births->keys))
+        return sph__fail_memory(context);
     return SPH_OK;
 }
 
-static void record_edges(sph__builder *b, uint32_t node)
+static void add_edges(sph__births *births, const sph__connectivity *mesh, uint32_t node)
 {
-    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
-    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    const uint32_t *edges = sph__list_items(&mesh->node_edges, node);
+    const uint32_t count = sph__list_count(&mesh->node_edges, node);
     size_t kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t other = sph__edge_other(&b->mesh, edges[i], node);
-        if (other < node) b->keys[kept++] = (sph__keyed){other, 0};
+        const uint32_t other = sph__edge_other(mesh, edges[i], node);
+        if (other < node) births->keys[kept++] = (sph__keyed){other, 0};
     }
-    sph__sort(b->keys, kept);
-    for (size_t i = 0; i < kept; ++i) b->births.edges[b->births.edge_count++] = (uint32_t)b->keys[i].key;
+    sph__sort(births->keys, kept);
+    for (size_t i = 0; i < kept; ++i) births->edges[births->edge_count++] = (uint32_t)births->keys[i].key;
 }
 
-static void record_triangles(sph__builder *b, uint32_t node)
+static void add_triangles(sph__births *births, const sph__connectivity *mesh, uint32_t node)
 {
-    const uint32_t *triangles = sph__list_items(&b->mesh.node_triangles, node);
-    const uint32_t count = sph__list_count(&b->mesh.node_triangles, node);
+    const uint32_t *triangles = sph__list_items(&mesh->node_triangles, node);
+    const uint32_t count = sph__list_count(&mesh->node_triangles, node);
     size_t kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t others[2];
-        sph__triangle_others(&b->mesh, triangles[i], node, others);
+        sph__triangle_others(mesh, triangles[i], node, others);
         if (others[0] < node && others[1] < node)
-            b->keys[kept++] = (sph__keyed){(uint64_t)others[0] << 32 | others[1], 0};
+            births->keys[kept++] = (sph__keyed){(uint64_t)others[0] << 32 | others[1], triangles[i]};
     }
-    sph__sort(b->keys, kept);
+    sph__sort(births->keys, kept);
     for (size_t i = 0; i < kept; ++i) {
-        b->births.triangles[b->births.triangle_count++] = (uint32_t)(b->keys[i].key >> 32);
-        b->births.triangles[b->births.triangle_count++] = (uint32_t)b->keys[i].key;
+        births->triangles[births->triangle_count++] = (uint32_t)(births->keys[i].key >> 32);
+        births->triangles[births->triangle_count++] = (uint32_t)births->keys[i].key;
     }
 }
 
-sph_status sph__record_births(sph__builder *b, uint32_t node)
+sph_status sph__births_add(sph__births *births, const sph__connectivity *mesh, uint32_t node)
 {
-    const sph_status status =
-        reserve(b, sph__list_count(&b->mesh.node_edges, node), sph__list_count(&b->mesh.node_triangles, node));
+    const sph_status status = reserve(births, mesh->context, sph__list_count(&mesh->node_edges, node),
+                                      sph__list_count(&mesh->node_triangles, node));
     if (status != SPH_OK) return status;
-    record_edges(b, node);
-    record_triangles(b, node);
-    b->h->edge_starts[node + 1] = b->births.edge_count;
-    b->h->triangle_starts[node + 1] = b->births.triangle_count / 2;
+    add_edges(births, mesh, node);
+    add_triangles(births, mesh, node);
+    births->edge_starts[node + 1] = births->edge_count;
+    births->triangle_starts[node + 1] = births->triangle_count / 2;
     return SPH_OK;
 }
 
-sph_status sph__record_leaves(sph__builder *b)
+sph_status sph__births_add_leaves(sph__births *births, const sph__connectivity *mesh, uint32_t count)
 {
     sph_status status = SPH_OK;
-    b->h->edge_starts[0] = b->h->triangle_starts[0] = 0;
-    for (uint32_t v = 0; v < b->n && status == SPH_OK; ++v) status = sph__record_births(b, v);
+    births->edge_starts[0] = births->triangle_starts[0] = 0;
+    for (uint32_t v = 0; v < count && status == SPH_OK; ++v) status = sph__births_add(births, mesh, v);
     return status;
+}
+
+void sph__births_free(sph__births *births, const sph_context *context)
+{
+    sph__free(context, births->edges);
+    sph__free(context, births->triangles);
+    sph__free(context, births->keys);
+    *births = (sph__births){0};
+}
+
+void sph__list_roots(const uint32_t *parents, uint32_t node_count, uint32_t *roots, uint32_t root_count)
+{
+    for (uint32_t node = 0, count = 0; node < node_count && count < root_count; ++node)
+        if (parents[node] == SPH__NO_NODE) roots[count++] = node;
+}
+
+size_t sph__collapses_find_edge(const sph__collapses *h, uint32_t node, uint32_t other)
+{
+    size_t low = h->edge_starts[node], high = h->edge_starts[node + 1];
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (h->edge_others[middle] == other) return middle;
+        if (h->edge_others[middle] < other)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return SIZE_MAX;
 }

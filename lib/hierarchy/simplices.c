@@ -40,7 +40,7 @@ void sph__simplices_free(const sph_context *context, sph__simplices *s)
 
 /* The jump under way: all edges of the level, grouped by their younger end. */
 typedef struct jump {
-    const sph_hierarchy *h;
+    const sph__collapses *h;
     uint32_t end;
     sph__simplices *out;
     sph__keyed *keys;
@@ -51,7 +51,7 @@ typedef struct jump {
 
 static sph_status list_nodes(jump *j)
 {
-    const sph_hierarchy *h = j->h;
+    const sph__collapses *h = j->h;
     size_t count = 0;
     for (uint32_t t = j->end - h->vertex_count; t < h->collapse_count; ++t)
         for (unsigned k = 0; k < 2; ++k)
@@ -68,7 +68,7 @@ static sph_status list_nodes(jump *j)
 
 static sph_status list_edges(jump *j)
 {
-    const sph_hierarchy *h = j->h;
+    const sph__collapses *h = j->h;
     size_t most = 0, count = 0;
     for (uint32_t i = 0; i < j->out->node_count; ++i) {
         const uint32_t node = j->out->nodes[i];
@@ -81,7 +81,7 @@ static sph_status list_edges(jump *j)
         const uint32_t node = j->out->nodes[i];
         j->starts[i] = count;
         for (size_t e = h->edge_starts[node]; e < h->edge_starts[node + 1]; ++e)
-            if (sph__node_alive(h, h->edge_others[e], j->end)) j->others[count++] = h->edge_others[e];
+            if (sph__node_alive(h->parents, h->edge_others[e], j->end)) j->others[count++] = h->edge_others[e];
     }
     j->starts[j->out->node_count] = count;
     return SPH_OK;
@@ -104,7 +104,7 @@ static void cover_edge(jump *j, uint32_t a, uint32_t b)
 
 static sph_status list_triangles(jump *j)
 {
-    const sph_hierarchy *h = j->h;
+    const sph__collapses *h = j->h;
     size_t most = 0, count = 0;
     for (uint32_t i = 0; i < j->out->node_count; ++i) {
         const uint32_t node = j->out->nodes[i];
@@ -117,7 +117,7 @@ static sph_status list_triangles(jump *j)
         for (size_t t = h->triangle_starts[node]; t < h->triangle_starts[node + 1]; ++t) {
             const uint32_t x = h->triangle_others[2 * t], y = h->triangle_others[2 * t + 1];
             uint32_t *corner = j->out->triangles + 3 * count;
-            if (!sph__node_alive(h, x, j->end) || !sph__node_alive(h, y, j->end)) continue;
+            if (!sph__node_alive(h->parents, x, j->end) || !sph__node_alive(h->parents, y, j->end)) continue;
             corner[0] = node;
             corner[1] = x;
             corner[2] = y;
@@ -156,7 +156,7 @@ static sph_status order_simplices(jump *j)
     return SPH_OK;
 }
 
-sph_status sph__simplices_jump(const sph_hierarchy *h, uint32_t end, sph__simplices *simplices)
+sph_status sph__simplices_jump(const sph__collapses *h, uint32_t end, sph__simplices *simplices)
 {
     const uint32_t count = h->vertex_count - (end - h->vertex_count);
     jump j = {.h = h, .end = end, .out = simplices};

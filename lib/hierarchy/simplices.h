@@ -3,7 +3,7 @@
 #ifndef SPH_HIERARCHY_SIMPLICES_H
 #define SPH_HIERARCHY_SIMPLICES_H
 
-#include "hierarchy/hierarchy.h"
+#include "hierarchy/collapses.h"
 
 typedef struct sph__simplices {
     uint32_t node_count;
@@ -16,16 +16,11 @@ typedef struct sph__simplices {
 } sph__simplices;
 
 /* What is alive before the node `end` is born: the jump to a level, in time proportional to the level. */
-sph_status sph__simplices_jump(const sph_hierarchy *h, uint32_t end, sph__simplices *simplices);
+sph_status sph__simplices_jump(const sph__collapses *h, uint32_t end, sph__simplices *simplices);
 void sph__simplices_free(const sph_context *context, sph__simplices *simplices);
 
 /* Brings ends, corners and lists into the order above; `keys` has room for as many. */
 void sph__order_edges(uint32_t *edges, size_t count, sph__keyed *keys);
 void sph__order_triangles(uint32_t *triangles, size_t count, sph__keyed *keys);
-
-static inline bool sph__node_alive(const sph_hierarchy *h, uint32_t node, uint32_t end)
-{
-    return node < end && h->parents[node] >= end; /* a root's parent is SPH__NO_NODE */
-}
 
 #endif

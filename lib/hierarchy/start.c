@@ -111,7 +111,7 @@ static sph_status run_wave(walk *w, uint32_t begin, uint32_t end)
     sph__parallel_for(b->context, w->edge_count, EDGE_GRAIN, evaluate_range, w);
     b->h->evaluations += w->edge_count;
     for (size_t i = 0; i < w->edge_count && status == SPH_OK; ++i)
-        status = sph__heap_set(&b->queue, w->edges[i], w->costs[i], sph__edge_tie(b, w->edges[i]));
+        status = sph__heap_set(&b->queue.open, w->edges[i], w->costs[i], sph__edge_tie(&b->mesh, w->edges[i]));
     return status;
 }
 
@@ -121,7 +121,7 @@ sph_status sph__fill_queue(sph__builder *b)
     sph_status status = find_order(&w);
     b->candidates = sph__alloc(b->context, b->mesh.edge_count, sizeof *b->candidates);
     if (status == SPH_OK && b->candidates == NULL) status = sph__fail_memory(b->context);
-    if (status == SPH_OK) status = sph__heap_reserve(&b->queue, b->mesh.edge_count);
+    if (status == SPH_OK) status = sph__heap_reserve(&b->queue.open, b->mesh.edge_count);
     for (uint32_t i = 0; i < b->n && status == SPH_OK; i += WAVE) {
         status = sph__progress_report(&b->progress, "evaluation", (double)i / b->n);
         if (status == SPH_OK) status = run_wave(&w, i, b->n - i < WAVE ? b->n : i + WAVE);

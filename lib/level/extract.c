@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Levels out of a hierarchy. */
+#include "hierarchy/hierarchy.h"
 #include "hierarchy/simplices.h"
 #include "level/level.h"
 
@@ -57,7 +58,7 @@ static void copy_spheres(const sph_hierarchy *h, const sph__simplices *simplices
 static void make_labels(const sph_hierarchy *h, uint32_t end, uint32_t *places, sph_level *level)
 {
     for (uint32_t node = end; node-- > 0;)
-        if (!sph__node_alive(h, node, end)) places[node] = places[h->parents[node]];
+        if (!sph__node_alive(h->parents, node, end)) places[node] = places[h->parents[node]];
     memcpy(level->labels, places, h->vertex_count * sizeof *places);
 }
 
@@ -89,6 +90,7 @@ static sph_status make_level(const sph_hierarchy *h, uint32_t end, const sph_lev
 sph_status sph_level_extract(const sph_hierarchy *h, uint32_t sphere_count, const sph_level_options *options,
                              sph_level **out)
 {
+    sph__collapses collapses;
     sph__simplices simplices;
     sph_level_options o;
     uint32_t end;
@@ -102,7 +104,8 @@ sph_status sph_level_extract(const sph_hierarchy *h, uint32_t sphere_count, cons
         return sph__fail(h->context, SPH_E_INVALID, "%u spheres: the hierarchy has levels from %u to %u", sphere_count,
                          h->vertex_count - h->collapse_count, h->vertex_count);
     end = h->vertex_count + (h->vertex_count - sphere_count);
-    status = sph__simplices_jump(h, end, &simplices);
+    collapses = sph__hierarchy_collapses(h);
+    status = sph__simplices_jump(&collapses, end, &simplices);
     if (status != SPH_OK) return status;
     status = make_level(h, end, &o, &simplices, out);
     sph__simplices_free(h->context, &simplices);
