@@ -4,100 +4,81 @@
 
 #include "io/level_export.h"
 
+/* The pieces of text of a format: what stands around the level's name, and around the numbers of a sphere. */
 typedef struct list_format {
     const char *before_note, *after_note;
-    void (*begin)(sph__io_output *o, const char *name);
-    void (*put)(sph__io_output *o, const sph__io_ball *ball);
-    void (*end)(sph__io_output *o);
+    const char *head[4]; /* the name between each two of them; ends with NULL */
+    const char *before_center, *between_numbers, *before_radius, *after_radius;
+    const char *foot;
+    bool pointed; /* numbers need a point */
 } list_format;
 
-static void put_center(sph__io_output *o, const sph__io_ball *ball)
-{
-    sph__io_output_floats(o, ball->center, 3);
-}
-
-/* --- SRDF --- */
-
-static void begin_srdf(sph__io_output *o, const char *name)
-{
-    sph__io_output_text(o, "<robot name=\"%s\">\n", name);
-    sph__io_output_text(o, "  <link_sphere_approximation link=\"%s\">\n", name);
-}
-
-static void put_srdf(sph__io_output *o, const sph__io_ball *ball)
-{
-    sph__io_output_text(o, "    <sphere center=\"");
-    put_center(o, ball);
-    sph__io_output_text(o, "\" radius=\"");
-    sph__io_output_float(o, ball->radius);
-    sph__io_output_text(o, "\"/>\n");
-}
-
-static void end_srdf(sph__io_output *o)
-{
-    sph__io_output_text(o, "  </link_sphere_approximation>\n</robot>\n");
-}
-
-/* --- URDF --- */
-
-static void begin_urdf(sph__io_output *o, const char *name)
-{
-    sph__io_output_text(o, "<robot name=\"%s\">\n", name);
-    sph__io_output_text(o, "  <link name=\"%s\">\n", name);
-}
-
-static void put_urdf(sph__io_output *o, const sph__io_ball *ball)
-{
-    sph__io_output_text(o, "    <collision><origin xyz=\"");
-    put_center(o, ball);
-    sph__io_output_text(o, "\" rpy=\"0 0 0\"/><geometry><sphere radius=\"");
-    sph__io_output_float(o, ball->radius);
-    sph__io_output_text(o, "\"/></geometry></collision>\n");
-}
-
-static void end_urdf(sph__io_output *o)
-{
-    sph__io_output_text(o, "  </link>\n</robot>\n");
-}
-
-/* --- YAML --- */
+static const list_format SRDF = {
+    .before_note = "<!-- ",
+    .after_note = " -->\n",
+    .head = {"<robot name=\"", "\">\n  <link_sphere_approximation link=\"", "\">\n"},
+    .before_center = "    <sphere center=\"",
+    .between_numbers = " ",
+    .before_radius = "\" radius=\"",
+    .after_radius = "\"/>\n",
+    .foot = "  </link_sphere_approximation>\n</robot>\n",
+};
+static const list_format URDF = {
+    .before_note = "<!-- ",
+    .after_note = " -->\n",
+    .head = {"<robot name=\"", "\">\n  <link name=\"", "\">\n"},
+    .before_center = "    <collision><origin xyz=\"",
+    .between_numbers = " ",
+    .before_radius = "\" rpy=\"0 0 0\"/><geometry><sphere radius=\"",
+    .after_radius = "\"/></geometry></collision>\n",
+    .foot = "  </link>\n</robot>\n",
+};
+static const list_format YAML = {
+    .before_note = "# ",
+    .after_note = "\n",
+    .head = {"collision_spheres:\n  \"", "\":\n"},
+    .before_center = "    - center: [",
+    .between_numbers = ", ",
+    .before_radius = "]\n      radius: ",
+    .after_radius = "\n",
+    .foot = "",
+    .pointed = true,
+};
 
 /* YAML 1.1 takes 1e-05 for a text: a number needs its point. */
-static void put_yaml_float(sph__io_output *o, float value)
+static void put_number(sph__io_output *o, const list_format *format, float value)
 {
     char text[SPH__IO_FLOAT_TEXT];
     const size_t length = sph__io_format_float(text, value), digits = strcspn(text, "eE");
     sph__io_output_bytes(o, text, digits);
-    if (memchr(text, '.', digits) == NULL) sph__io_output_text(o, ".0");
+    if (format->pointed && memchr(text, '.', digits) == NULL) sph__io_output_text(o, ".0");
     sph__io_output_bytes(o, text + digits, length - digits);
 }
 
-static void begin_yaml(sph__io_output *o, const char *name)
+static void put_text(sph__io_output *o, const char *text)
 {
-    sph__io_output_text(o, "collision_spheres:\n  \"%s\":\n", name);
+    sph__io_output_text(o, "%s", text);
 }
 
-static void put_yaml(sph__io_output *o, const sph__io_ball *ball)
+static void put_head(sph__io_output *o, const list_format *format, const char *name)
+{
+    put_text(o, format->head[0]);
+    for (int i = 1; format->head[i] != NULL; ++i) {
+        put_text(o, name);
+        put_text(o, format->head[i]);
+    }
+}
+
+static void put_sphere(sph__io_output *o, const list_format *format, const sph__io_ball *ball)
 {
     for (int k = 0; k < 3; ++k) {
-        sph__io_output_text(o, k == 0 ? "    - center: [" : ", ");
-        put_yaml_float(o, ball->center[k]);
+        put_text(o, k == 0 ? format->before_center : format->between_numbers);
+        put_number(o, format, ball->center[k]);
     }
-    sph__io_output_text(o, "]\n      radius: ");
-    put_yaml_float(o, ball->radius);
-    sph__io_output_text(o, "\n");
+    put_text(o, format->before_radius);
+    put_number(o, format, ball->radius);
+    put_text(o, format->after_radius);
 }
-
-static void end_yaml(sph__io_output *o)
-{
-    (void)o;
-}
-
-/* --- all --- */
-
-static const list_format SRDF = {"<!-- ", " -->\n", begin_srdf, put_srdf, end_srdf};
-static const list_format URDF = {"<!-- ", " -->\n", begin_urdf, put_urdf, end_urdf};
-static const list_format YAML = {"# ", "\n", begin_yaml, put_yaml, end_yaml};
 
 static void write_list(sph__io_output *o, sph__io_export *e, const list_format *format)
 {
@@ -114,10 +95,10 @@ static void write_list(sph__io_output *o, sph__io_export *e, const list_format *
                                        : "lie in its solid, of which no point is farther from them than");
     sph__io_export_double(o, balls.gap);
     sph__io_output_text(o, "%s", format->after_note);
-    format->begin(o, e->name);
+    put_head(o, format, e->name);
     for (size_t i = 0; i < balls.count; ++i)
-        format->put(o, &balls.items[i]);
-    format->end(o);
+        put_sphere(o, format, &balls.items[i]);
+    put_text(o, format->foot);
     e->report->sphere_count = balls.count;
     e->report->capsule_count = 0;
     e->report->triangle_count = 0;
