@@ -3,6 +3,7 @@
 # Installs the Debian packages that building and testing need, those that are missing only.
 #   scripts/setup.sh          everything that scripts/test.sh needs
 #   scripts/setup.sh --demo   what scripts/demo.sh needs
+#   scripts/setup.sh --docs   what scripts/docs.sh needs
 set -euo pipefail
 
 demo_packages=(gcc libc6-dev meson ninja-build pkgconf libpng-dev)
@@ -15,13 +16,16 @@ test_packages=(
     libeigen3-dev libbullet-dev libembree-dev # what the benches compare with, besides
     abigail-tools cmake   # the binary interface, and a user of CMake
     python3 python3-yaml  # the tests of the program, and scripts/*.py
+    doxygen               # the headers' documentation
 )
+docs_packages=(doxygen python3-sphinx python3-breathe python3-myst-parser groff-base python3)
 
 case "${1-}" in
 '') packages=("${demo_packages[@]}" "${test_packages[@]}") ;;
 --demo) packages=("${demo_packages[@]}") ;;
+--docs) packages=("${docs_packages[@]}") ;;
 *)
-    echo "usage: scripts/setup.sh [--demo]" >&2
+    echo "usage: scripts/setup.sh [--demo|--docs]" >&2
     exit 2
     ;;
 esac

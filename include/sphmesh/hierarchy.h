@@ -57,7 +57,8 @@ SPH_API void sph_hierarchy_options_init(sph_hierarchy_options *options, size_t s
 
 /** One collapse. */
 typedef struct sph_collapse {
-    uint32_t u, v;      /**< the nodes united; u < v */
+    uint32_t u;         /**< the first of the nodes united */
+    uint32_t v;         /**< the second; u < v */
     uint32_t node;      /**< the node made: n + the collapse's index */
     uint32_t forced;    /**< 1 where it inverts triangles: taken because nothing else was left; else 0 */
     double cost;        /**< the quadric of the region at its sphere, model units squared times weight */

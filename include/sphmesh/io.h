@@ -24,7 +24,11 @@ enum { SPH_UP_Y = 0, SPH_UP_Z = 1 };
  * Whether vertices that coincide in all frames become one (sph_animation_weld() without tolerance; the frames are then held in
  * memory). Auto welds a glTF whose own animation is read, as that format splits vertices along seams of texture and normals.
  */
-enum { SPH_IO_WELD_AUTO = 0, SPH_IO_WELD_NONE = 1, SPH_IO_WELD_ALL = 2 };
+enum {
+    SPH_IO_WELD_AUTO = 0, /**< a glTF's own animation only; default */
+    SPH_IO_WELD_NONE = 1, /**< never */
+    SPH_IO_WELD_ALL = 2   /**< always */
+};
 
 /**
  * What an Alembic's transforms do. Local: transforms that are above all chosen meshes and never change are left out, as
@@ -89,8 +93,8 @@ typedef struct sph_io_description {
     uint32_t struct_size; /**< bytes that the library fills */
     uint32_t file_count;  /**< 1, or how many files a glob or pattern stands for */
     const char *format;   /**< "OBJ", "PLY", "Alembic", "PC2", ...; never freed */
-    uint32_t point_count; /**< of a point cache; else 0, as is the next */
-    uint32_t frame_count;
+    uint32_t point_count; /**< of a point cache; else 0 */
+    uint32_t frame_count; /**< of a point cache; else 0 */
 } sph_io_description;
 
 /**
@@ -131,7 +135,7 @@ typedef struct sph_io_archive {
     const char *application; /**< the program that wrote it */
     const char *library;     /**< the library, as it names itself */
     const char *date;        /**< when it was written */
-    const char *description;
+    const char *description; /**< what its author wrote about it */
 } sph_io_archive;
 
 /** An object of an Alembic archive. */
@@ -140,11 +144,12 @@ typedef struct sph_io_object {
     uint32_t sample_count; /**< of its positions or its transform; 1 where they do not change */
     const char *path;      /**< as "/a/b"; borrowed for the call, as is the next */
     const char *kind;      /**< "PolyMesh", "SubD", "Xform", or what else the file calls it */
-    uint64_t vertex_count; /**< 0 for what is no mesh, as is the next */
-    uint64_t face_count;
-    double first_time, last_time; /**< seconds; 0 with one sample */
-    uint32_t chosen;              /**< 1: a mesh that is read */
-    uint32_t hidden;              /**< 1: hidden in all its samples, by itself or by what is above it */
+    uint64_t vertex_count; /**< 0 for what is no mesh */
+    uint64_t face_count;   /**< 0 for what is no mesh */
+    double first_time;     /**< of its first sample, seconds; 0 with one sample */
+    double last_time;      /**< of its last sample, seconds; 0 with one sample */
+    uint32_t chosen;       /**< 1: a mesh that is read */
+    uint32_t hidden;       /**< 1: hidden in all its samples, by itself or by what is above it */
 } sph_io_object;
 
 /** Is told of an archive. */

@@ -74,7 +74,7 @@ typedef struct sph_io_rig_arrays {
     const double *joints_rest;  /**< shape (J, 3, 4): joint to scene, nodes at rest */
     const double *joints;       /**< shape (F, J, 3, 4): joint to scene in a frame; the skin's transforms are these
                                      times `inverse_bind` */
-    size_t edge_count;          /**< */
+    size_t edge_count;          /**< lines of the file's */
     const uint32_t *edges;      /**< shape (edge_count, 2): lines of the file's, vertex indices */
 } sph_io_rig_arrays;
 

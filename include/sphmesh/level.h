@@ -26,7 +26,7 @@ typedef struct sph_level_arrays {
     const float *radii;        /**< shape (K) or (F, K), model units, >= 0 */
     size_t edge_count;         /**< wire edges: of no triangle */
     const uint32_t *edges;     /**< shape (edge_count, 2), sphere indices */
-    size_t triangle_count;     /**< */
+    size_t triangle_count;     /**< triangles over which spheres are interpolated */
     const uint32_t *triangles; /**< shape (triangle_count, 3), sphere indices */
     size_t label_count;        /**< n, or 0 for none */
     const uint32_t *labels;    /**< for every input vertex the sphere that holds it, or #SPH_NO_SPHERE */

@@ -86,7 +86,8 @@ SPH_API sph_status sph_quadric_evaluate(const sph_quadric *quadric, const double
  * In frames whose planes do not fix the centre it lies on the segment from u to v, at one lambda for all such frames.
  * That is where their matrix is numerically singular: its determinant at most 1e-6 times the cube of a third of its
  * trace. Of several minima that with the smallest r is taken; where lambda makes no difference it is 1/2.
- * @param[in]  u, v        shape (F, 3): ends of the segment per frame. Both may be NULL: then the origin of every frame.
+ * @param[in]  u           shape (F, 3): one end of the segment per frame; NULL, as v: the origin of every frame.
+ * @param[in]  v           shape (F, 3): its other end.
  * @param[in]  radius_max  R >= 0, model units; INFINITY is allowed.
  * @param[out] minimum     radius, lambda and cost; untouched on failure.
  * @param[out] centers     shape (F, 3); may be NULL: costs less. Untouched on failure.

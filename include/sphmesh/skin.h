@@ -50,9 +50,9 @@ typedef struct sph_skin_arrays {
                                      place of its joint; NULL where the caller gives it: the weighted mean of the bone's
                                      vertices */
     const double *radii;        /**< shape (J): of the spheres; given as NULL: 0 */
-    size_t triangle_count;      /**< */
+    size_t triangle_count;      /**< 0 where there are none */
     const uint32_t *triangles;  /**< shape (triangle_count, 3), vertex indices */
-    size_t link_count;          /**< */
+    size_t link_count;          /**< 0 where there are none */
     const uint32_t *links;      /**< shape (link_count, 2): pairs of bones that touch (of a level: its edges and those of
                                      its triangles), the lower first, rising, none twice; given in any order */
     uint32_t rigid;             /**< returned: 1 where every transform is a proper rotation (to 1e-6) and a translation;

@@ -7,8 +7,11 @@
 
 #include "export.h"
 
+/** Grows when programs must be built anew (docs/abi.md). */
 #define SPH_VERSION_MAJOR 0
+/** Grows when something is added. */
 #define SPH_VERSION_MINOR 1
+/** Grows when something is mended. */
 #define SPH_VERSION_PATCH 0
 
 /** Version of the headers as one number that grows: major * 1000000 + minor * 1000 + patch. */
