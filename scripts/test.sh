@@ -105,7 +105,26 @@ consumer() {
     shared,*libsphmesh.so.0*) ;;
     shared,* | static,*sphmesh*) echo "$needs" && return 1 ;;
     esac
-    (cd "$work/walk" && LD_LIBRARY_PATH=$stage/usr/lib "$out")
+    read -r -a options <<<"${arguments-}"
+    (cd "$work/walk" && LD_LIBRARY_PATH=$stage/usr/lib "$out" "${options[@]}" </dev/null)
+}
+
+# examples KIND: all of examples/ that are one file, against the staged install, on the creature.
+examples() {
+    local source arguments result=0
+    for source in examples/*.c; do
+        case ${source##*/} in
+        particles*) continue ;; # of several files, with libpng
+        host.c) arguments="walk.obj walk.pc2 host.sphm" ;;
+        lod_browser.c) arguments=creature.sphm ;;
+        game_loop.c) arguments=level-20.json ;;
+        rig_export.c) arguments="walk.obj walk.pc2 rig.glb capsules.json" ;;
+        new_pose.c) arguments="walk.obj walk.pc2 posed.obj posed.json" ;;
+        *) arguments='' ;;
+        esac
+        consumer "$1" "$source" sphmesh-io -lm -pthread || { echo "$source failed" && result=1; }
+    done
+    return $result
 }
 
 # consumer_of_cmake KIND: configures and builds against the staged install by find_package alone, and runs.
@@ -177,6 +196,7 @@ if wanted source; then
     check "every file names its licence" scripts/check_source.py licence
     check "every public header is installed" scripts/check_source.py headers
     check "every link of the documentation leads somewhere" scripts/check_source.py links
+    check "every public declaration is documented" scripts/docs.sh check
     check "headers stand alone as C11 (gcc)" headers_stand_alone gcc -std=c11 -xc
     check "headers stand alone as C11 (clang)" headers_stand_alone clang -std=c11 -xc
     check "headers stand alone as C++11 (gcc)" headers_stand_alone g++ -std=c++11 -xc++
@@ -242,6 +262,7 @@ if wanted install; then
             check "$kind libraries install" stage $kind
             check "a C program finds the $kind libraries" consumer $kind tests/install/consumer.c sphmesh-io
             check "an example builds with the $kind core" consumer $kind examples/first_steps.c sphmesh -lm
+            [ $kind = shared ] && check "all examples build and run with the installed libraries" examples $kind
             check "the program of README.md runs ($kind)" consumer $kind "$work/readme.c" sphmesh-io
             check "CMake finds the $kind libraries" consumer_of_cmake $kind
             check "a C++ program finds the $kind core" consumer $kind tests/install/consumer.cpp sphmesh
