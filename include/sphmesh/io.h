@@ -264,7 +264,7 @@ SPH_API void sph_io_rig_options_init(sph_io_rig_options *options, size_t size);
  * @retval SPH_E_INVALID      NULL, bad options, a skeleton of another number of bones, or frames per second of a clip that are
  *                            not from 1e-6 to 1e6.
  * @retval SPH_E_UNSUPPORTED  another ending, or a transform that is not rigid; the message names bone and frame.
- * @retval SPH_E_LIMIT        more than 65536 joints, 4194304 frames in a clip, or 4 GB.
+ * @retval SPH_E_LIMIT        more than 65536 joints, 4194304 frames in a clip, or 4 GB; a joint beyond what a float holds.
  * @retval SPH_E_IO           a file cannot be written: the message has the path and the reason.
  * @retval SPH_E_NOMEM        out of memory.
  * @retval SPH_E_CANCELLED    progress asked to stop. Whatever fails, no file is left half written.

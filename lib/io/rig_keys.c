@@ -154,6 +154,27 @@ static void make_rest(sph__rig *rig, pose *poses)
     }
 }
 
+/* Numbers beyond what a float holds would make a file that nobody reads. */
+static sph_status check_rest(const sph__rig *rig)
+{
+    for (size_t i = 0; i < 3 * (size_t)rig->joints.joint_count; ++i)
+        if (!isfinite(rig->rest[i]))
+            return sph__io_fail(rig->context, SPH_E_LIMIT, "%s: joint %zu is farther away than a float holds",
+                                sph__io_shown(rig->path), i / 3);
+    return SPH_OK;
+}
+
+static sph_status check_clip(const sph__rig *rig, const sph_skin_clip *clip)
+{
+    const size_t bones = rig->joints.bone_count, size = 7 * (size_t)clip->frame_count;
+    const float *keys = rig->keys + 7 * bones * clip->first_frame;
+    for (size_t i = 0; i < bones * size; ++i)
+        if (!isfinite(keys[i]))
+            return sph__io_fail(rig->context, SPH_E_LIMIT, "%s: bone %zu moves farther away than a float holds",
+                                sph__io_shown(rig->path), i / size);
+    return SPH_OK;
+}
+
 sph_status sph__rig_make_keys(sph__rig *rig)
 {
     const size_t joints = rig->joints.joint_count, bones = rig->joints.bone_count;
@@ -170,11 +191,13 @@ sph_status sph__rig_make_keys(sph__rig *rig)
         status = sph__io_fail_memory(rig->context, rig->path);
     } else {
         make_rest(rig, poses);
+        status = check_rest(rig);
         for (uint32_t c = 0; c < rig->skin.clip_count && status == SPH_OK; ++c) {
             const sph_skin_clip *clip = &rig->skin.clips[c];
             status = sph_context_report_progress(rig->context, "keys", (double)clip->first_frame / (double)frames);
             for (uint32_t f = 0; f < clip->frame_count && status == SPH_OK; ++f)
                 make_frame(rig, clip, f, poses);
+            if (status == SPH_OK) status = check_clip(rig, clip);
         }
     }
     sph_context_release(rig->context, poses);

@@ -441,6 +441,12 @@ START_TEST(what_cannot_be_written_is_refused_by_name)
     sph_skin_destroy(made);
     input.transforms[12 * (5 * 7 + 3)] *= 1.01;
     refuses(SPH_E_UNSUPPORTED, "bone 3 scales, shears or mirrors in frame 7", NULL, path);
+    rig_input_make(&input, 40, 5, 4);
+    input.transforms[12 * (5 * 7 + 3) + 11] = 1e39; /* no float: JSON has no word for what it would become */
+    refuses(SPH_E_LIMIT, "bone 3 moves farther away than a float holds", NULL, path);
+    rig_input_make(&input, 40, 5, 4);
+    input.pivots[3 * 2] = -1e39;
+    refuses(SPH_E_LIMIT, "is farther away than a float holds", NULL, path);
     rig_input_make(&input, 40, 6, 4);
     made = rig_skin(context, &input);
     ck_assert_int_eq(sph_io_save_rig(context, made, other, NULL, path), SPH_E_INVALID);
