@@ -6,7 +6,11 @@ sph_status sph__lists_init(sph__lists *lists, const sph_context *context, size_t
     *lists = (sph__lists){.context = context, .list_count = list_count};
     for (size_t i = 0; i < sizeof lists->free_heads / sizeof lists->free_heads[0]; ++i) lists->free_heads[i] = SIZE_MAX;
     lists->lists = sph__zalloc(context, list_count, sizeof *lists->lists);
-    return lists->lists == NULL ? sph__fail_memory(context) : SPH_OK;
+    /* Some arena from the start: empty lists have a place in it, and nothing is added to NULL. */
+    if (lists->lists != NULL && sph__reserve(context, (void **)&lists->arena, &lists->capacity, 8, sizeof *lists->arena))
+        return SPH_OK;
+    sph__lists_free(lists);
+    return sph__fail_memory(context);
 }
 
 void sph__lists_free(sph__lists *lists)

@@ -109,8 +109,10 @@ static sph_status read_vertex(sph__gltf_document *d, sph__io_gltf *g, const bind
         }
     }
     if (status != SPH_OK) return status;
-    tidy(g->influences + first, g->influence_count - first);
-    if (g->influence_count > first) return SPH_OK;
+    if (g->influence_count > first) {
+        tidy(g->influences + first, g->influence_count - first);
+        return SPH_OK;
+    }
     sph__gltf_accessor_integers(&b->joints[0], vertex, joints); /* no weights: all to its first joint */
     if (joints[0] >= b->bone_count)
         return sph__gltf_fail(d, b->joints[0].value, "vertex %u has joint %u of a skin of %u", (unsigned)vertex,
