@@ -4,6 +4,7 @@
 #   scripts/setup.sh          everything that scripts/test.sh needs
 #   scripts/setup.sh --demo   what scripts/demo.sh needs
 #   scripts/setup.sh --docs   what scripts/docs.sh needs
+#   scripts/setup.sh --heavy  what the heavy targets of docs/reliability.md need: fuzzing by AFL++, clang-tidy, valgrind, coverage
 set -euo pipefail
 
 demo_packages=(gcc libc6-dev meson ninja-build pkgconf libpng-dev)
@@ -18,14 +19,16 @@ test_packages=(
     python3 python3-yaml  # the tests of the program, and scripts/*.py
     doxygen               # the headers' documentation
 )
+heavy_packages=("${demo_packages[@]}" "${test_packages[@]}" afl++ clang-tidy valgrind gcovr)
 docs_packages=(doxygen python3-sphinx python3-breathe python3-myst-parser groff-base python3)
 
 case "${1-}" in
 '') packages=("${demo_packages[@]}" "${test_packages[@]}") ;;
 --demo) packages=("${demo_packages[@]}") ;;
 --docs) packages=("${docs_packages[@]}") ;;
+--heavy) packages=("${heavy_packages[@]}") ;;
 *)
-    echo "usage: scripts/setup.sh [--demo|--docs]" >&2
+    echo "usage: scripts/setup.sh [--demo|--docs|--heavy]" >&2
     exit 2
     ;;
 esac

@@ -44,6 +44,25 @@ static inline uint32_t fuzz_below(fuzz_bytes *b, uint32_t limit)
     return (high << 8 | low) % limit;
 }
 
+/* Takes what a handle is written as: a sph_write_fn, with a fuzz_buffer for its user. Free `data` at the end. */
+typedef struct fuzz_buffer {
+    uint8_t *data;
+    size_t size, capacity;
+} fuzz_buffer;
+
+static inline sph_status fuzz_append(void *user, const void *bytes, size_t size)
+{
+    fuzz_buffer *b = user;
+    if (size > b->capacity - b->size) {
+        b->capacity = 2 * (b->size + size);
+        b->data = realloc(b->data, b->capacity);
+        FUZZ_CHECK(b->data != NULL);
+    }
+    memcpy(b->data + b->size, bytes, size);
+    b->size += size;
+    return SPH_OK;
+}
+
 /* Ends work that would take too long for a fuzzer: not a finding, as every loop asks. */
 typedef struct fuzz_patience {
     unsigned reports_left;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The readers of files: the first byte says how the file is called, the rest is its content. What is read is looked at by
- * everything that looks at animations and levels.
+ * The readers of files: the first byte says how the file is called, the second how it is read, the rest is its content.
+ * What is read is looked at by everything that looks at animations, levels and rigs.
  */
 #include <fcntl.h>
 #include <unistd.h>
@@ -9,8 +9,9 @@
 #include <sphmesh/io.h>
 
 #include "fuzz.h"
+#include "fuzz_rig.h"
 
-enum { FRAME_LIMIT = 16, PATH_SIZE = 128, VERTEX_LIMIT = 2000000 };
+enum { FRAME_LIMIT = 16, PATH_SIZE = 128, VERTEX_LIMIT = 2000000, CHOICE_RIG = 8, CHOICE_TELL = 16 };
 
 static const char *const ENDINGS[] = {"obj", "ply", "off", "stl", "gltf", "glb", "pc2", "mdd", "json", "sphm", "abc"};
 enum { ENDING_COUNT = sizeof ENDINGS / sizeof *ENDINGS };
@@ -68,6 +69,47 @@ static sph_status read_level(sph_context *context, const char *path)
     return status;
 }
 
+static sph_status read_rig(sph_context *context, const char *path, uint8_t choice)
+{
+    sph_io_open_rig_options o;
+    sph_io_rig *rig = NULL;
+    sph_status status;
+    sph_io_open_rig_options_init(&o, sizeof o);
+    o.fps = (choice & 2) != 0 ? 1 : 0;
+    status = sph_io_open_rig(context, path, &o, &rig);
+    FUZZ_CHECK((rig != NULL) == (status == SPH_OK));
+    if (status == SPH_OK) fuzz_use_rig(context, rig);
+    sph_io_rig_destroy(rig);
+    return status;
+}
+
+static void see_clip(void *user, const sph_io_clip *clip)
+{
+    *(size_t *)user += strlen(clip->name);
+}
+
+static void see_archive(void *user, const sph_io_archive *archive)
+{
+    *(size_t *)user += strlen(archive->application) + strlen(archive->library) + strlen(archive->date);
+}
+
+static void see_object(void *user, const sph_io_object *object)
+{
+    *(size_t *)user += strlen(object->path) + strlen(object->kind);
+}
+
+/* What can be told of a file without reading all of it. */
+static sph_status tell(sph_context *context, const char *path)
+{
+    sph_io_description about = {.struct_size = sizeof about};
+    int32_t kind = 0;
+    size_t told = 0;
+    (void)sph_io_list_clips(context, path, 0, see_clip, &told);
+    (void)sph_io_list_objects(context, path, NULL, see_archive, see_object, &told);
+    if (sph_io_identify(context, path, &kind) == SPH_OK) FUZZ_CHECK(kind == SPH_IO_HIERARCHY || kind == SPH_IO_LEVEL);
+    return sph_io_describe(context, path, &about);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     char path[PATH_SIZE], mesh[PATH_SIZE];
@@ -84,7 +126,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     write_file(path, data + 2, size - 2);
     context = fuzz_context(&patience);
     idle = sph_context_memory_used(context);
-    if (strcmp(ending, "json") == 0 || strcmp(ending, "sphm") == 0) {
+    if ((data[1] & CHOICE_TELL) != 0) {
+        status = tell(context, path);
+    } else if ((data[1] & CHOICE_RIG) != 0) {
+        status = read_rig(context, path, data[1]);
+    } else if (strcmp(ending, "json") == 0 || strcmp(ending, "sphm") == 0) {
         status = read_level(context, path);
     } else if (strcmp(ending, "pc2") == 0 || strcmp(ending, "mdd") == 0) {
         write_file(mesh, MESH, sizeof MESH - 1);

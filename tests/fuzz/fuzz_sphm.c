@@ -4,24 +4,6 @@
 
 #include "fuzz.h"
 
-typedef struct buffer {
-    uint8_t *data;
-    size_t size, capacity;
-} buffer;
-
-static sph_status append(void *user, const void *bytes, size_t size)
-{
-    buffer *b = user;
-    if (size > b->capacity - b->size) {
-        b->capacity = 2 * (b->size + size);
-        b->data = realloc(b->data, b->capacity);
-        FUZZ_CHECK(b->data != NULL);
-    }
-    memcpy(b->data + b->size, bytes, size);
-    b->size += size;
-    return SPH_OK;
-}
-
 /* CRC-32C a bit at a time, on its own: the library's is not asked about itself. */
 static uint32_t crc32c(uint32_t sum, const uint8_t *bytes, size_t size)
 {
@@ -96,14 +78,14 @@ static void walk(const sph_hierarchy *h, uint32_t between)
 static sph_status load_hierarchy(sph_context *context, const uint8_t *data, size_t size)
 {
     sph_hierarchy *h = NULL, *again = NULL;
-    buffer first = {0}, second = {0};
+    fuzz_buffer first = {0}, second = {0};
     const sph_status status = sph_hierarchy_read(context, data, size, &h);
     FUZZ_CHECK((h != NULL) == (status == SPH_OK));
     if (status == SPH_OK) {
         walk(h, data[size - 1]);
-        FUZZ_CHECK(sph_hierarchy_write(h, append, &first) == SPH_OK);
+        FUZZ_CHECK(sph_hierarchy_write(h, fuzz_append, &first) == SPH_OK);
         FUZZ_CHECK(sph_hierarchy_read(context, first.data, first.size, &again) == SPH_OK);
-        FUZZ_CHECK(sph_hierarchy_write(again, append, &second) == SPH_OK);
+        FUZZ_CHECK(sph_hierarchy_write(again, fuzz_append, &second) == SPH_OK);
         FUZZ_CHECK(first.size == second.size && memcmp(first.data, second.data, first.size) == 0);
     }
     sph_hierarchy_destroy(again);
@@ -116,14 +98,14 @@ static sph_status load_hierarchy(sph_context *context, const uint8_t *data, size
 static sph_status load_level(sph_context *context, const uint8_t *data, size_t size)
 {
     sph_level *level = NULL, *again = NULL;
-    buffer first = {0}, second = {0};
+    fuzz_buffer first = {0}, second = {0};
     const sph_status status = sph_level_read(context, data, size, &level);
     FUZZ_CHECK((level != NULL) == (status == SPH_OK));
     if (status == SPH_OK) {
         check_level(level);
-        FUZZ_CHECK(sph_level_write(level, append, &first) == SPH_OK);
+        FUZZ_CHECK(sph_level_write(level, fuzz_append, &first) == SPH_OK);
         FUZZ_CHECK(sph_level_read(context, first.data, first.size, &again) == SPH_OK);
-        FUZZ_CHECK(sph_level_write(again, append, &second) == SPH_OK);
+        FUZZ_CHECK(sph_level_write(again, fuzz_append, &second) == SPH_OK);
         FUZZ_CHECK(first.size == second.size && memcmp(first.data, second.data, first.size) == 0);
     }
     sph_level_destroy(again);
