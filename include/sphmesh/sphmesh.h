@@ -12,6 +12,7 @@
 #include "pose.h"
 #include "quadric.h"
 #include "query.h"
+#include "simplify.h"
 #include "skeleton.h"
 #include "skin.h"
 #include "surface.h"
