@@ -21,6 +21,7 @@ void sph_io_open_rig_options_init(sph_io_open_rig_options *options, size_t size)
 sph_status sph__io_rig_read_options(sph_context *context, const sph_io_open_rig_options *in, sph_io_open_rig_options *o)
 {
     *o = DEFAULTS;
+    o->fps = SPH__IO_FPS;
     if (in == NULL) return SPH_OK;
     if (in->struct_size < OPTIONS_V1)
         return sph__io_fail(context, SPH_E_INVALID,
