@@ -97,7 +97,7 @@ typedef struct sph_progressive_level {
     uint32_t collapse_count; /**< the level */
     uint32_t vertex_count;   /**< as engines count them: apart along seams */
     uint32_t point_count;    /**< places: vertices but for the seams */
-    uint32_t triangle_count; /**< */
+    uint32_t triangle_count; /**< those that have three corners left */
     uint32_t forced;         /**< 1: some collapse before this level turned triangles over, or pinched the surface, as
                                   nothing else was left; else 0 */
     double error;            /**< root mean square distance, by area, between the level's vertices and the planes of the

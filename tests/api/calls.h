@@ -35,6 +35,7 @@ typedef struct api_fixture {
     sph_skin *skin;
     sph_skeleton *skeleton;
     sph_deformer *deformer;
+    sph_progressive *progressive;
 } api_fixture;
 extern api_fixture fixture;
 

@@ -105,6 +105,7 @@ static void make_skin(void)
     ck_assert_int_eq(sph_skin_create(fixture.level, &source, 1, &o, &fixture.skin), SPH_OK);
     ck_assert_int_eq(sph_skeleton_create(fixture.skin, NULL, &fixture.skeleton), SPH_OK);
     ck_assert_int_eq(sph_deformer_create(fixture.skin, NULL, &fixture.deformer), SPH_OK);
+    ck_assert_int_eq(sph_progressive_create(fixture.skin, NULL, &fixture.progressive), SPH_OK);
 }
 
 static void set_up(void)
@@ -130,6 +131,7 @@ static void set_up(void)
 
 static void tear_down(void)
 {
+    sph_progressive_destroy(fixture.progressive);
     sph_deformer_destroy(fixture.deformer);
     sph_skeleton_destroy(fixture.skeleton);
     sph_skin_destroy(fixture.skin);
