@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/* What most tests of the public interface share: a context for each test, and what it said last. */
+#ifndef SPH_TEST_CONTEXT_CASE_H
+#define SPH_TEST_CONTEXT_CASE_H
+
+#include <check.h>
+#include <string.h>
+
+#include "support.h"
+
+extern sph_context *context;
+
+/* The fixture: a context of all defaults. */
+void setup(void);
+void teardown(void);
+
+#define ck_message_has(part)                                                                                           \
+    ck_assert_msg(strstr(sph_context_last_message(context), (part)) != NULL, "message \"%s\" lacks \"%s\"",            \
+                  sph_context_last_message(context), (part))
+
+#endif
