@@ -231,6 +231,11 @@ double test_random_unit(uint64_t *state)
     return (double)(test_random(state) >> 11) * 0x1p-53;
 }
 
+double test_random_between(uint64_t *state, double low, double high)
+{
+    return low + (high - low) * test_random_unit(state);
+}
+
 /* --- the frame source --- */
 
 static sph_status source_read(void *user, uint32_t frame, float *xyz)

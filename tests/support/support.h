@@ -58,6 +58,8 @@ bool test_progress_callback(void *test_progress, const char *stage, double fract
 uint64_t test_random(uint64_t *state);
 /* In [0, 1). */
 double test_random_unit(uint64_t *state);
+/* In [low, high). */
+double test_random_between(uint64_t *state, double low, double high);
 
 /*
  * --- meshes --- Outward triangles. Frame 0 is the shape as described; frame f is test_wave() of it. All start with at

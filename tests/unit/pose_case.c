@@ -16,7 +16,7 @@ const double IDENTITY[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 double uniform(double low, double high)
 {
-    return low + (high - low) * test_random_unit(&state);
+    return test_random_between(&state, low, high);
 }
 
 void make_rigid(const double axis[3], double angle, const double shift[3], double out[12])

@@ -5,15 +5,13 @@
 
 #include "quadric/minimizer.h"
 #include "runner.h"
+#include "support.h"
 
 static uint64_t state;
 
 static double uniform(double low, double high)
 {
-    state ^= state << 13;
-    state ^= state >> 7;
-    state ^= state << 17;
-    return low + (high - low) * (double)(state >> 11) * 0x1p-53;
+    return test_random_between(&state, low, high);
 }
 
 static void setup(void)

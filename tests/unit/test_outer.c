@@ -30,7 +30,7 @@ static void teardown(void)
 
 static double between(double low, double high)
 {
-    return low + (high - low) * test_random_unit(&state);
+    return test_random_between(&state, low, high);
 }
 
 static void pose(uint32_t spheres, const float *centers, const float *radii, size_t edge_count, const uint32_t *edges,
