@@ -23,6 +23,23 @@ cd "$work"
 creature=(creature.obj --cache creature.pc2)
 render() { "$program" render --quiet "$@"; }
 
+# what a sphere-mesh is made of: a level by hand
+cat >primitives.json <<'EOF'
+{"format": "sphmesh-level", "version": 1, "frames": 1, "spheres": 6, "radii": [0.8, 0.7, 0.25, 0.55, 0.3, 0.12],
+ "centers": [[[0, 0, 0], [2.2, -0.6, 0], [4.2, 0.7, 0], [6, -0.6, 0], [8.4, -0.7, 0], [7.2, 0.9, 0]]],
+ "edges": [[1, 2]], "triangles": [[3, 4, 5]]}
+EOF
+render primitives.json --size 600x190 -o "$docs/primitives.png"
+
+# the mesh, and what is left of it on the way down
+render "${creature[@]}" creature.sphm --levels 2000,300,60,20,5 --size 230x180 --columns 3 --frames 6 -o "$docs/steps.png"
+
+# a level as it is, and one that contains the mesh
+"$program" level creature.sphm --spheres 40 -o plain.json --quiet
+"$program" export plain.json --input creature.obj --cache creature.pc2 --conservative --save-level safe.json \
+    -o capsules.json --quiet
+render plain.json safe.json --overlay creature.obj --cache creature.pc2 --size 300x240 --frames 6 -o "$docs/safe.png"
+
 # the mesh and three of its levels, the same levels within it, and levels by frames, with spheres and without
 render "${creature[@]}" creature.sphm --levels 46,20,10 --size 230x190 --frames 6 -o "$docs/levels.png"
 render creature.sphm --levels 46,20,10 --overlay creature.obj --cache creature.pc2 --size 300x240 --frames 6 \

@@ -197,6 +197,7 @@ if wanted source; then
     check "every public header is installed" scripts/check_source.py headers
     check "every link of the documentation leads somewhere" scripts/check_source.py links
     check "every public declaration is documented" scripts/docs.sh check
+    command -v sphinx-build >/dev/null && check "the site builds without a warning" scripts/docs.sh "$work/site"
     check "headers stand alone as C11 (gcc)" headers_stand_alone gcc -std=c11 -xc
     check "headers stand alone as C11 (clang)" headers_stand_alone clang -std=c11 -xc
     check "headers stand alone as C++11 (gcc)" headers_stand_alone g++ -std=c++11 -xc++
@@ -212,13 +213,13 @@ fi
 
 if wanted clang; then
     say "clang"
-    CC=clang CXX=clang++ build clang && run clang --no-suite interrupt --no-suite long
+    CC=clang CXX=clang++ build clang && run clang --no-suite interrupt --no-suite long --no-suite docs
 fi
 
 if wanted portable; then
     say "portable: without vector kernels, release optimisation, assertions of the tests on"
     build portable -Dsimd=disabled -Doptimization=3 -Dbenches=disabled &&
-        run portable --no-suite io --no-suite cli --no-suite long
+        run portable --no-suite io --no-suite cli --no-suite long --no-suite docs
 fi
 
 if wanted gcc; then
@@ -238,7 +239,7 @@ if wanted sanitize; then
     export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
     export CK_FORK=no # one search for leaks per program, not per test: it takes longer than most tests
     build sanitize -Dbenches=disabled -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 &&
-        run sanitize --timeout-multiplier 4 --no-suite interrupt --no-suite long --no-suite reference
+        run sanitize --timeout-multiplier 4 --no-suite interrupt --no-suite long --no-suite reference --no-suite docs
 fi
 
 if wanted threads; then
