@@ -7,110 +7,159 @@ static uint64_t edge_key(uint32_t a, uint32_t b)
     return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
 
-static size_t add_key(sph__keyed *keys, size_t count, uint32_t a, uint32_t b)
+/* Pairs (a, b) by their lower vertex: counted where there are no keys yet, else put where that vertex's next one goes. */
+static void sort_in(sph__keyed *keys, size_t *ends, uint32_t a, uint32_t b)
 {
-    if (a == b) return count;
-    keys[count] = (sph__keyed){edge_key(a, b), 0};
-    return count + 1;
+    const uint32_t low = a < b ? a : b, high = a < b ? b : a;
+    if (a == b) return;
+    if (keys == NULL)
+        ++ends[low];
+    else
+        keys[ends[low]++] = (sph__keyed){high, 0};
 }
 
-static sph_status make_edges(sph__connectivity *c, const uint32_t *triangles, size_t triangle_count,
-                             const uint32_t *edges, size_t edge_count)
+static void sort_in_all(sph__keyed *keys, size_t *ends, const uint32_t *triangles, size_t triangle_count,
+                        const uint32_t *edges, size_t edge_count)
 {
-    size_t count = 0, unique = 0;
-    sph__keyed *keys = sph__alloc(c->context, 3 * triangle_count + edge_count, sizeof *keys);
-    if (keys == NULL) return sph__fail_memory(c->context);
     for (size_t t = 0; t < triangle_count; ++t) {
         const uint32_t *corner = triangles + 3 * t;
-        for (unsigned k = 0; k < 3; ++k) count = add_key(keys, count, corner[k], corner[(k + 1) % 3]);
+        for (unsigned k = 0; k < 3; ++k) sort_in(keys, ends, corner[k], corner[(k + 1) % 3]);
     }
-    for (size_t e = 0; e < edge_count; ++e) count = add_key(keys, count, edges[2 * e], edges[2 * e + 1]);
-    sph__sort(keys, count);
-    for (size_t i = 0; i < count; ++i)
-        if (i == 0 || keys[i].key != keys[i - 1].key) keys[unique++] = keys[i];
-    c->edges = unique > UINT32_MAX - 1 ? NULL : sph__alloc(c->context, unique, sizeof *c->edges);
-    if (c->edges != NULL) {
-        c->edge_count = (uint32_t)unique;
-        for (size_t i = 0; i < unique; ++i) {
-            c->edges[i][0] = (uint32_t)(keys[i].key >> 32);
+    for (size_t e = 0; e < edge_count; ++e) sort_in(keys, ends, edges[2 * e], edges[2 * e + 1]);
+}
+
+/* From counts to where each begins. */
+static void begin_each(size_t *counts, size_t count)
+{
+    for (size_t v = 0, sum = 0; v < count; ++v) {
+        const size_t here = counts[v];
+        counts[v] = sum;
+        sum += here;
+    }
+}
+
+/* Leaves each once, with its lower end as the item; returns how many there are. */
+static size_t unite_pairs(sph__keyed *keys, const size_t *ends, uint32_t vertex_count)
+{
+    size_t unique = 0;
+    for (size_t v = 0, i = 0; v < vertex_count; ++v) {
+        const size_t first = unique;
+        sph__sort(keys + i, ends[v] - i);
+        for (; i < ends[v]; ++i)
+            if (unique == first || keys[i].key != keys[unique - 1].key) keys[unique++] = (sph__keyed){keys[i].key, v};
+    }
+    return unique;
+}
+
+static sph_status make_edges(sph__connectivity *c, uint32_t vertex_count, const uint32_t *triangles,
+                             size_t triangle_count, const uint32_t *edges, size_t edge_count)
+{
+    sph__keyed *keys = sph__alloc(c->context, 3 * triangle_count + edge_count, sizeof *keys);
+    size_t *ends = sph__zalloc(c->context, vertex_count, sizeof *ends);
+    if (keys != NULL && ends != NULL) {
+        size_t unique;
+        sort_in_all(NULL, ends, triangles, triangle_count, edges, edge_count);
+        begin_each(ends, vertex_count);
+        sort_in_all(keys, ends, triangles, triangle_count, edges, edge_count);
+        unique = unite_pairs(keys, ends, vertex_count);
+        c->edges = unique > UINT32_MAX - 1 ? NULL : sph__alloc(c->context, unique, sizeof *c->edges);
+        if (c->edges != NULL) c->edge_count = (uint32_t)unique;
+        for (uint32_t i = 0; i < c->edge_count; ++i) {
+            c->edges[i][0] = (uint32_t)keys[i].item;
             c->edges[i][1] = (uint32_t)keys[i].key;
         }
     }
     sph__free(c->context, keys);
+    sph__free(c->context, ends);
     return c->edges == NULL ? sph__fail_memory(c->context) : SPH_OK;
 }
 
-/* Which way round the corners run from the lowest: to the highest next, or not. */
-static uint32_t winding_of(const uint32_t p[3])
+static bool names_one_twice(const uint32_t p[3])
 {
-    const unsigned first = p[0] < p[1] ? (p[0] < p[2] ? 0 : 2) : (p[1] < p[2] ? 1 : 2);
-    return p[(first + 1) % 3] > p[(first + 2) % 3];
+    return p[0] == p[1] || p[1] == p[2] || p[2] == p[0];
 }
 
-static bool same_corners(const uint32_t a[3], const uint32_t b[3])
+static unsigned lowest_corner(const uint32_t p[3])
 {
-    for (unsigned k = 0; k < 3; ++k)
-        if (a[k] != b[0] && a[k] != b[1] && a[k] != b[2]) return false;
-    return true;
+    return p[0] < p[1] ? (p[0] < p[2] ? 0 : 2) : (p[1] < p[2] ? 1 : 2);
 }
 
 /* Set in what triangles are sorted by where the two windings are told apart, and this is the other one. */
-#define OTHER_WINDING UINT32_C(0x80000000)
+#define OTHER_WINDING (UINT64_C(1) << 63)
 
-/* Triangles with three different corners, the first of those with the same ones. Sorted by two corners and then compared
- * within the group by a second sort on the third. */
-static sph_status make_triangles(sph__connectivity *c, const uint32_t *triangles, size_t triangle_count, uint32_t *numbers)
+/* Marks triangles that have the same corners as one before: `keys` of those of each lowest corner, next to each other. */
+static void mark_doubles(sph__keyed *keys, const size_t *ends, uint32_t vertex_count, uint8_t *doubles)
 {
-    size_t count = 0;
-    sph__keyed *keys = sph__alloc(c->context, triangle_count, sizeof *keys);
-    uint32_t *third = sph__alloc(c->context, triangle_count, sizeof *third);
-    c->triangles = sph__alloc(c->context, triangle_count, sizeof *c->triangles);
-    if (keys == NULL || third == NULL || c->triangles == NULL) {
-        sph__free(c->context, keys);
-        sph__free(c->context, third);
-        return sph__fail_memory(c->context);
+    for (size_t v = 0, i = 0; v < vertex_count; i = ends[v++]) {
+        sph__sort(keys + i, ends[v] - i);
+        for (size_t j = i + 1; j < ends[v]; ++j) {
+            const uint64_t sides = (keys[j].item ^ keys[j - 1].item) & OTHER_WINDING;
+            doubles[keys[j].item & ~OTHER_WINDING] = keys[j].key == keys[j - 1].key && sides == 0;
+        }
     }
-    for (size_t t = 0; t < triangle_count; ++t) {
-        const uint32_t *p = triangles + 3 * t;
-        const uint32_t low = p[0] < p[1] ? (p[0] < p[2] ? p[0] : p[2]) : (p[1] < p[2] ? p[1] : p[2]);
-        const uint32_t high = p[0] > p[1] ? (p[0] > p[2] ? p[0] : p[2]) : (p[1] > p[2] ? p[1] : p[2]);
-        if (p[0] == p[1] || p[1] == p[2] || p[2] == p[0]) continue;
-        third[t] = p[0] ^ p[1] ^ p[2] ^ low ^ high;
-        keys[count] = (sph__keyed){(uint64_t)low << 32 | high, (uint64_t)third[t] << 32 | t};
-        if (c->two_sided && winding_of(p)) keys[count].item |= OTHER_WINDING;
-        ++count;
-    }
-    sph__sort(keys, count);
-    for (size_t i = 1, kept = 0; i < count; ++i) {
-        const uint32_t ta = (uint32_t)keys[kept].item & ~OTHER_WINDING, tb = (uint32_t)keys[i].item & ~OTHER_WINDING;
-        const bool same_side = (((uint32_t)keys[kept].item ^ (uint32_t)keys[i].item) & OTHER_WINDING) == 0;
-        if (same_side && same_corners(triangles + 3 * (size_t)ta, triangles + 3 * (size_t)tb))
-            keys[i].key = UINT64_MAX; /* not the first */
-        else
-            kept = i;
-    }
-    for (size_t i = 0; i < count; ++i) {
-        keys[i].item = (uint32_t)keys[i].item & ~OTHER_WINDING;
-        if (keys[i].key != UINT64_MAX) keys[i].key = keys[i].item;
-    }
-    sph__sort(keys, count); /* back into the order of the input */
-    for (size_t i = 0; i < count && keys[i].key != UINT64_MAX; ++i) {
-        if (numbers != NULL) numbers[i] = (uint32_t)keys[i].item;
-        memcpy(c->triangles[c->triangle_count++], triangles + 3 * keys[i].item, sizeof *c->triangles);
-    }
-    sph__free(c->context, keys);
-    sph__free(c->context, third);
-    return SPH_OK;
 }
 
-static sph_status list_incidences(sph__connectivity *c)
+static void find_doubles(const sph__connectivity *c, uint32_t vertex_count, const uint32_t *triangles,
+                         size_t triangle_count, sph__keyed *keys, size_t *ends, uint8_t *doubles)
 {
+    for (size_t t = 0; t < triangle_count; ++t) {
+        const uint32_t *p = triangles + 3 * t;
+        if (!names_one_twice(p)) ++ends[p[lowest_corner(p)]];
+    }
+    begin_each(ends, vertex_count);
+    for (size_t t = 0; t < triangle_count; ++t) {
+        const uint32_t *p = triangles + 3 * t;
+        const unsigned low = lowest_corner(p);
+        const uint32_t next = p[(low + 1) % 3], previous = p[(low + 2) % 3];
+        const uint64_t winding = c->two_sided && next > previous ? OTHER_WINDING : 0;
+        if (!names_one_twice(p)) keys[ends[p[low]]++] = (sph__keyed){edge_key(next, previous), winding | t};
+    }
+    mark_doubles(keys, ends, vertex_count, doubles);
+}
+
+/* Triangles with three different corners, the first of those with the same ones, in the order of the input. */
+static sph_status make_triangles(sph__connectivity *c, uint32_t vertex_count, const uint32_t *triangles,
+                                 size_t triangle_count, uint32_t *numbers)
+{
+    sph__keyed *keys = sph__alloc(c->context, triangle_count, sizeof *keys);
+    size_t *ends = sph__zalloc(c->context, vertex_count, sizeof *ends);
+    uint8_t *doubles = sph__zalloc(c->context, triangle_count, sizeof *doubles);
     sph_status status = SPH_OK;
+    c->triangles = sph__alloc(c->context, triangle_count, sizeof *c->triangles);
+    if (keys == NULL || ends == NULL || doubles == NULL || c->triangles == NULL) {
+        status = sph__fail_memory(c->context);
+    } else {
+        find_doubles(c, vertex_count, triangles, triangle_count, keys, ends, doubles);
+        for (size_t t = 0; t < triangle_count; ++t) {
+            if (names_one_twice(triangles + 3 * t) || doubles[t]) continue;
+            if (numbers != NULL) numbers[c->triangle_count] = (uint32_t)t;
+            memcpy(c->triangles[c->triangle_count++], triangles + 3 * t, sizeof *c->triangles);
+        }
+    }
+    sph__free(c->context, keys);
+    sph__free(c->context, ends);
+    sph__free(c->context, doubles);
+    return status;
+}
+
+static sph_status list_incidences(sph__connectivity *c, uint32_t vertex_count)
+{
+    uint32_t *counts = sph__zalloc(c->context, vertex_count, sizeof *counts);
+    sph_status status = SPH_OK;
+    if (counts == NULL) return sph__fail_memory(c->context);
+    for (uint32_t e = 0; e < c->edge_count; ++e)
+        for (unsigned k = 0; k < 2; ++k) ++counts[c->edges[e][k]];
+    status = sph__lists_lay_out(&c->node_edges, counts, vertex_count);
     for (uint32_t e = 0; e < c->edge_count && status == SPH_OK; ++e)
         for (unsigned k = 0; k < 2 && status == SPH_OK; ++k) status = sph__list_add(&c->node_edges, c->edges[e][k], e);
+    memset(counts, 0, vertex_count * sizeof *counts);
+    for (uint32_t t = 0; t < c->triangle_count; ++t)
+        for (unsigned k = 0; k < 3; ++k) ++counts[c->triangles[t][k]];
+    if (status == SPH_OK) status = sph__lists_lay_out(&c->node_triangles, counts, vertex_count);
     for (uint32_t t = 0; t < c->triangle_count && status == SPH_OK; ++t)
         for (unsigned k = 0; k < 3 && status == SPH_OK; ++k)
             status = sph__list_add(&c->node_triangles, c->triangles[t][k], t);
+    sph__free(c->context, counts);
     return status;
 }
 
@@ -121,15 +170,15 @@ sph_status sph__connectivity_init(sph__connectivity *c, const sph_context *conte
     const size_t node_count = 2 * (size_t)vertex_count;
     sph_status status;
     *c = (sph__connectivity){.context = context, .two_sided = two_sided};
-    status = make_edges(c, triangles, triangle_count, edges, edge_count);
-    if (status == SPH_OK) status = make_triangles(c, triangles, triangle_count, numbers);
+    status = make_edges(c, vertex_count, triangles, triangle_count, edges, edge_count);
+    if (status == SPH_OK) status = make_triangles(c, vertex_count, triangles, triangle_count, numbers);
     if (status == SPH_OK) status = sph__lists_init(&c->node_edges, context, node_count);
     if (status == SPH_OK) status = sph__lists_init(&c->node_triangles, context, node_count);
     if (status == SPH_OK) {
         c->mark_stamps = sph__zalloc(context, node_count, sizeof *c->mark_stamps);
         if (c->mark_stamps == NULL) status = sph__fail_memory(context);
     }
-    if (status == SPH_OK) status = list_incidences(c);
+    if (status == SPH_OK) status = list_incidences(c, vertex_count);
     if (status != SPH_OK) sph__connectivity_free(c);
     return status;
 }

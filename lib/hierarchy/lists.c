@@ -60,15 +60,39 @@ static void give_block(sph__lists *lists, size_t offset, uint32_t capacity)
     *head = offset;
 }
 
+static uint32_t capacity_for(uint32_t count)
+{
+    uint32_t capacity = 8;
+    while (capacity < count) capacity *= 2;
+    return capacity;
+}
+
+sph_status sph__lists_lay_out(sph__lists *lists, const uint32_t *counts, size_t count)
+{
+    size_t total = lists->used;
+    for (size_t i = 0; i < count; ++i) {
+        if (counts[i] > UINT32_C(1) << 31) return sph__fail_memory(lists->context);
+        if (counts[i] > 0) total += capacity_for(counts[i]);
+    }
+    if (!sph__reserve(lists->context, (void **)&lists->arena, &lists->capacity, total, sizeof *lists->arena))
+        return sph__fail_memory(lists->context);
+    for (size_t i = 0; i < count; ++i) {
+        if (counts[i] == 0) continue;
+        lists->lists[i] = (sph__list){.offset = lists->used, .capacity = capacity_for(counts[i])};
+        lists->used += lists->lists[i].capacity;
+    }
+    return SPH_OK;
+}
+
 sph_status sph__list_reserve(sph__lists *lists, uint32_t list, uint32_t count)
 {
     sph__list *l = &lists->lists[list];
-    uint32_t capacity = 8;
     size_t offset = 0;
+    uint32_t capacity;
     sph_status status;
     if (count <= l->capacity) return SPH_OK;
     if (count > UINT32_C(1) << 31) return sph__fail_memory(lists->context);
-    while (capacity < count) capacity *= 2;
+    capacity = capacity_for(count);
     status = take_block(lists, capacity, &offset);
     if (status != SPH_OK) return status;
     if (l->capacity != 0) {

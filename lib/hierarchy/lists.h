@@ -33,6 +33,8 @@ static inline uint32_t sph__list_count(const sph__lists *lists, uint32_t list)
     return lists->lists[list].count;
 }
 
+/* Makes room in the first `count` lists, all still empty, side by side: for so many items in each. */
+sph_status sph__lists_lay_out(sph__lists *lists, const uint32_t *counts, size_t count);
 /* Makes room for `count` items in all. */
 sph_status sph__list_reserve(sph__lists *lists, uint32_t list, uint32_t count);
 /* Adds one item; SPH_E_NOMEM leaves the list as it was. */

@@ -3,32 +3,43 @@
 
 #include <math.h>
 
-/* Four children per node: half the depth of a binary heap, and one node's children share two cache lines. */
-enum { ARITY = 4 };
+/* Four children per node: half the depth of a binary heap. The first child of all begins a cache line, and so all do. */
+enum { ARITY = 4, LEAD = 3 };
 
-static bool comes_before(const sph__heap_entry *a, const sph__heap_entry *b)
+static uint64_t tie_of(const sph__heap *heap, uint32_t item)
 {
-    if (a->key < b->key) return true;
-    if (a->key > b->key) return false;
+    return (uint64_t)heap->items[item].ties[0] << 32 | heap->items[item].ties[1];
+}
+
+static bool comes_before_equal(const sph__heap *heap, const sph__heap_entry *a, const sph__heap_entry *b)
+{
+    const uint64_t a_tie = tie_of(heap, a->item), b_tie = tie_of(heap, b->item);
     if (a->key != b->key) { /* a NaN on one side or both */
         const bool a_nan = isnan(a->key), b_nan = isnan(b->key);
         if (a_nan != b_nan) return b_nan;
     }
-    if (a->tie != b->tie) return a->tie < b->tie;
+    if (a_tie != b_tie) return a_tie < b_tie;
     return a->item < b->item;
+}
+
+static inline bool comes_before(const sph__heap *heap, const sph__heap_entry *a, const sph__heap_entry *b)
+{
+    if (a->key < b->key) return true;
+    if (a->key > b->key) return false;
+    return comes_before_equal(heap, a, b);
 }
 
 static void put(sph__heap *heap, size_t place, sph__heap_entry entry)
 {
     heap->entries[place] = entry;
-    heap->places[entry.item] = (uint32_t)place;
+    heap->items[entry.item].place = (uint32_t)place;
 }
 
 static void sift_up(sph__heap *heap, size_t place, sph__heap_entry entry)
 {
     while (place > 0) {
         const size_t parent = (place - 1) / ARITY;
-        if (!comes_before(&entry, &heap->entries[parent])) break;
+        if (!comes_before(heap, &entry, &heap->entries[parent])) break;
         put(heap, place, heap->entries[parent]);
         place = parent;
     }
@@ -44,8 +55,8 @@ static void sift_down(sph__heap *heap, size_t place, sph__heap_entry entry)
         const size_t end = heap->count - first < ARITY ? heap->count : first + ARITY;
         size_t best = first;
         for (size_t child = first + 1; child < end; ++child)
-            if (comes_before(&heap->entries[child], &heap->entries[best])) best = child;
-        if (!comes_before(&heap->entries[best], &entry)) break;
+            if (comes_before(heap, &heap->entries[child], &heap->entries[best])) best = child;
+        if (!comes_before(heap, &heap->entries[best], &entry)) break;
         put(heap, place, heap->entries[best]);
         place = best;
     }
@@ -55,32 +66,34 @@ static void sift_down(sph__heap *heap, size_t place, sph__heap_entry entry)
 /* Writes `entry` at `place`, whose own entry no longer counts, and moves it to where it belongs. */
 static void settle(sph__heap *heap, size_t place, sph__heap_entry entry)
 {
-    if (place > 0 && comes_before(&entry, &heap->entries[(place - 1) / ARITY]))
+    if (place > 0 && comes_before(heap, &entry, &heap->entries[(place - 1) / ARITY]))
         sift_up(heap, place, entry);
     else
         sift_down(heap, place, entry);
 }
 
-static sph_status reserve_places(sph__heap *heap, size_t count)
+static sph_status reserve_items(sph__heap *heap, size_t count)
 {
-    const size_t before = heap->place_capacity;
-    void *memory = heap->places;
+    const size_t before = heap->item_capacity;
+    void *memory = heap->items;
     if (count <= before) return SPH_OK;
-    if (!sph__reserve(heap->context, &memory, &heap->place_capacity, count, sizeof *heap->places))
+    if (!sph__reserve(heap->context, &memory, &heap->item_capacity, count, sizeof *heap->items))
         return sph__fail_memory(heap->context);
-    heap->places = memory;
-    for (size_t i = before; i < heap->place_capacity; ++i)
-        heap->places[i] = SPH__HEAP_ABSENT;
+    heap->items = memory;
+    for (size_t i = before; i < heap->item_capacity; ++i)
+        heap->items[i].place = SPH__HEAP_ABSENT;
     return SPH_OK;
 }
 
 static sph_status reserve_entries(sph__heap *heap, size_t count)
 {
-    void *memory = heap->entries;
-    if (count <= heap->capacity) return SPH_OK;
-    if (!sph__reserve(heap->context, &memory, &heap->capacity, count, sizeof *heap->entries))
+    void *memory = heap->memory;
+    if (count > SIZE_MAX - LEAD) return sph__fail_memory(heap->context);
+    if (count + LEAD <= heap->capacity) return SPH_OK;
+    if (!sph__reserve(heap->context, &memory, &heap->capacity, count + LEAD, sizeof *heap->memory))
         return sph__fail_memory(heap->context);
-    heap->entries = memory;
+    heap->memory = memory;
+    heap->entries = heap->memory + LEAD;
     return SPH_OK;
 }
 
@@ -91,35 +104,40 @@ void sph__heap_init(sph__heap *heap, sph_context *context)
 
 void sph__heap_free(sph__heap *heap)
 {
-    sph__free(heap->context, heap->entries);
-    sph__free(heap->context, heap->places);
+    sph__free(heap->context, heap->memory);
+    sph__free(heap->context, heap->items);
     sph__heap_init(heap, heap->context);
 }
 
 void sph__heap_clear(sph__heap *heap)
 {
     for (size_t i = 0; i < heap->count; ++i)
-        heap->places[heap->entries[i].item] = SPH__HEAP_ABSENT;
+        heap->items[heap->entries[i].item].place = SPH__HEAP_ABSENT;
     heap->count = 0;
 }
 
 sph_status sph__heap_reserve(sph__heap *heap, size_t item_count)
 {
-    const sph_status status = reserve_places(heap, item_count);
+    const sph_status status = reserve_items(heap, item_count);
     return status != SPH_OK ? status : reserve_entries(heap, item_count);
 }
 
 sph_status sph__heap_set(sph__heap *heap, uint32_t item, double key, uint64_t tie)
 {
-    const sph__heap_entry entry = {.key = key, .tie = tie, .item = item};
+    const sph__heap_entry entry = {.key = key, .item = item};
+    const uint32_t high = (uint32_t)(tie >> 32), low = (uint32_t)tie;
     sph_status status;
     if (item == SPH__HEAP_ABSENT) return sph__fail(heap->context, SPH_E_LIMIT, "too many items in a queue");
     if (sph__heap_contains(heap, item)) {
-        settle(heap, heap->places[item], entry);
+        heap->items[item].ties[0] = high;
+        heap->items[item].ties[1] = low;
+        settle(heap, heap->items[item].place, entry);
         return SPH_OK;
     }
-    if ((status = reserve_places(heap, (size_t)item + 1)) != SPH_OK) return status;
+    if ((status = reserve_items(heap, (size_t)item + 1)) != SPH_OK) return status;
     if ((status = reserve_entries(heap, heap->count + 1)) != SPH_OK) return status;
+    heap->items[item].ties[0] = high;
+    heap->items[item].ties[1] = low;
     sift_up(heap, heap->count++, entry);
     return SPH_OK;
 }
@@ -129,8 +147,8 @@ bool sph__heap_remove(sph__heap *heap, uint32_t item)
     size_t place;
     sph__heap_entry last;
     if (!sph__heap_contains(heap, item)) return false;
-    place = heap->places[item];
-    heap->places[item] = SPH__HEAP_ABSENT;
+    place = heap->items[item].place;
+    heap->items[item].place = SPH__HEAP_ABSENT;
     last = heap->entries[--heap->count];
     if (place < heap->count) settle(heap, place, last);
     return true;
@@ -153,7 +171,7 @@ bool sph__heap_pop(sph__heap *heap, uint32_t *item)
 /* Makes `place` the i-th of a binary heap of places whose entries below i are in order. */
 static void lift_place(const sph__heap *heap, uint32_t *places, size_t i, uint32_t place)
 {
-    while (i > 0 && comes_before(&heap->entries[place], &heap->entries[places[(i - 1) / 2]])) {
+    while (i > 0 && comes_before(heap, &heap->entries[place], &heap->entries[places[(i - 1) / 2]])) {
         places[i] = places[(i - 1) / 2];
         i = (i - 1) / 2;
     }
@@ -164,8 +182,8 @@ static void sink_place(const sph__heap *heap, uint32_t *places, size_t count, ui
 {
     size_t i = 0;
     for (size_t child; (child = 2 * i + 1) < count; i = child) {
-        if (child + 1 < count && comes_before(&heap->entries[places[child + 1]], &heap->entries[places[child]])) ++child;
-        if (!comes_before(&heap->entries[places[child]], &heap->entries[place])) break;
+        if (child + 1 < count && comes_before(heap, &heap->entries[places[child + 1]], &heap->entries[places[child]])) ++child;
+        if (!comes_before(heap, &heap->entries[places[child]], &heap->entries[place])) break;
         places[i] = places[child];
     }
     places[i] = place;
@@ -188,14 +206,9 @@ size_t sph__heap_first(const sph__heap *heap, uint32_t *items, size_t most)
     return found;
 }
 
-bool sph__heap_contains(const sph__heap *heap, uint32_t item)
-{
-    return item < heap->place_capacity && heap->places[item] != SPH__HEAP_ABSENT;
-}
-
 double sph__heap_key(const sph__heap *heap, uint32_t item)
 {
-    return sph__heap_contains(heap, item) ? heap->entries[heap->places[item]].key : (double)NAN;
+    return sph__heap_contains(heap, item) ? heap->entries[heap->items[item].place].key : (double)NAN;
 }
 
 size_t sph__heap_count(const sph__heap *heap)

@@ -9,11 +9,16 @@
 
 #include "base/base.h"
 
+/* Four of them are a cache line. */
 typedef struct sph__heap_entry {
     double key;
-    uint64_t tie;
     uint32_t item;
 } sph__heap_entry;
+
+typedef struct sph__heap_item {
+    uint32_t place;   /* in `entries`, or SPH__HEAP_ABSENT */
+    uint32_t ties[2]; /* the tie: its high and its low half */
+} sph__heap_item;
 
 /*
  * Order: by key, equal keys by tie, equal ties by item; so what comes out never depends on what went in first.
@@ -21,10 +26,10 @@ typedef struct sph__heap_entry {
  */
 typedef struct sph__heap {
     sph_context *context; /* borrowed: outlives the heap */
-    sph__heap_entry *entries;
+    sph__heap_entry *memory, *entries; /* entries begin within `memory` so that siblings share a cache line */
     size_t count, capacity;
-    uint32_t *places; /* of an item in `entries`, or SPH__HEAP_ABSENT */
-    size_t place_capacity;
+    sph__heap_item *items;
+    size_t item_capacity;
 } sph__heap;
 
 #define SPH__HEAP_ABSENT UINT32_MAX
@@ -50,7 +55,26 @@ bool sph__heap_pop(sph__heap *heap, uint32_t *item);
 enum { SPH__HEAP_FIRST = 256 };
 size_t sph__heap_first(const sph__heap *heap, uint32_t *items, size_t most);
 
-bool sph__heap_contains(const sph__heap *heap, uint32_t item);
+static inline bool sph__heap_contains(const sph__heap *heap, uint32_t item)
+{
+    return item < heap->item_capacity && heap->items[item].place != SPH__HEAP_ABSENT;
+}
+
+/* Asks for what a change of `item` will read: what is known of it, and once that is there, its place in the queue. */
+static inline void sph__heap_prefetch_item(const sph__heap *heap, uint32_t item)
+{
+    if (item < heap->item_capacity) __builtin_prefetch(&heap->items[item]);
+}
+
+static inline void sph__heap_prefetch_place(const sph__heap *heap, uint32_t item)
+{
+    size_t place;
+    if (!sph__heap_contains(heap, item)) return;
+    place = heap->items[item].place;
+    __builtin_prefetch(&heap->entries[place]);
+    if (4 * place + 1 < heap->count) __builtin_prefetch(&heap->entries[4 * place + 1]);
+}
+
 /* NaN where `item` is not in the heap. */
 double sph__heap_key(const sph__heap *heap, uint32_t item);
 size_t sph__heap_count(const sph__heap *heap);
