@@ -10,18 +10,19 @@
 #include "hierarchy/inversion.h"
 #include "hierarchy/kernel.h"
 
-/* A live region keeps its data in the slot of one of its leaves. */
+/* A live region keeps its data in the slot of one of its leaves: one cache line. */
 typedef struct sph__slot {
-    uint32_t node;
-    uint32_t first, last, count; /* the region's vertices: a chain through sph__builder.next_member */
-    float *block;                /* NULL: a leaf without one */
-    uint32_t place;              /* of the block in its pool */
-    uint32_t pin;                /* a leaf whose block must stay while this is sph__builder.pin */
-    uint32_t batch;              /* the last one in which one of its collapses was worked out ahead */
-    uint8_t used;                /* a leaf whose block was of use since the cache last came by */
     double w, b, c;
-    double width;                /* lower bound of the region's width */
+    double width;    /* lower bound of the region's width */
+    float *block;    /* NULL: a leaf without one */
+    uint32_t node;
+    uint32_t last;   /* the region's vertices: a chain from that of the slot's number through sph__builder.next_member */
+    uint32_t count : 31, used : 1; /* of the vertices; a leaf whose block was of use since the cache last came by */
+    uint32_t place;  /* of the block in its pool */
+    uint32_t pin;    /* a leaf whose block must stay while this is sph__builder.pin */
+    uint32_t batch;  /* the last one in which one of its collapses was worked out ahead */
 } sph__slot;
+_Static_assert(sizeof(void *) != 8 || sizeof(sph__slot) == 64, "a slot is a cache line");
 
 /* The state of an edge in the queue. */
 typedef struct sph__candidate {
@@ -56,6 +57,7 @@ typedef struct sph__builder {
     sph__progress progress;
 
     uint32_t n, frames;
+    bool single;                /* one frame: rows of one float, and loops over edges instead (single.h) */
     size_t stride, node_floats; /* node_floats = 3 * stride */
     double radius_factor;
     double coherence;
@@ -92,6 +94,9 @@ typedef struct sph__builder {
     uint32_t pin;
     sph__slot *slots;     /* [n], and those of guesses */
     uint32_t *slot_of;    /* [2 n - 1] */
+    float *rows;          /* [n][SPH__SINGLE_ROWS] by slot where there is a single frame; else NULL */
+    double *costs;        /* scratch: of a new node's edges */
+    size_t cost_capacity;
     float *means;         /* [2 n][4][stride] by slot: temporal coherence; else NULL */
 
     struct sph__guesses *guesses; /* NULL with one thread */
@@ -198,6 +203,9 @@ double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candi
 /* The same of regions (not with radii per frame), u the older. */
 double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const sph__region *v, const sph__slot *su,
                              const sph__slot *sv, sph__candidate *candidate);
+/* The same from the sums. */
+double sph__evaluate_sums(const sph__builder *b, const sph__sums *sums, double u_radius, const sph__slot *su,
+                          const sph__slot *sv, sph__candidate *candidate);
 /* The exact cost (not with radii per frame). */
 sph_status sph__evaluate_exactly(const sph__builder *b, sph__extents *extents, uint32_t edge, sph__candidate *candidate,
                                  double *cost);

@@ -4,7 +4,12 @@
 
 SPH__INLINE void subtract(const float *q, const float *p, size_t s, size_t i, sph__v8d e[3])
 {
-    for (size_t k = 0; k < 3; ++k) e[k] = sph__load(q, k * s + i) - sph__load(p, k * s + i);
+    for (size_t k = 0; k < 3; ++k) {
+        if (s == 1) /* a single frame */
+            e[k][0] = (double)q[k] - (double)p[k];
+        else
+            e[k] = sph__load(q, k * s + i) - sph__load(p, k * s + i);
+    }
 }
 
 /* Eight frames of the sum of angles around v. */
@@ -15,7 +20,7 @@ SPH__INLINE void sum_angles(const sph__builder *b, uint32_t v, size_t i, sph__v8
     *angles = (sph__v8d){0};
     for (size_t c = b->cell_starts[v]; c < b->cell_starts[v + 1]; ++c) {
         uint32_t next, previous;
-        sph__v8d e[3], f[3], n[3], cosine, sine;
+        sph__v8d e[3] = {{0}}, f[3] = {{0}}, n[3], cosine, sine;
         sph__cell_others(b, c, v, &next, &previous);
         subtract(sph__node_center(b, next), p, s, i, e);
         subtract(sph__node_center(b, previous), p, s, i, f);

@@ -2,7 +2,7 @@
 /* Decimation: collapse the cheapest edge, again and again (section 4). */
 #include <math.h>
 
-#include "hierarchy/build.h"
+#include "hierarchy/single.h"
 
 /* Both ends of an edge have blocks then. */
 static sph_status need_ends(sph__builder *b, uint32_t edge)
@@ -16,22 +16,38 @@ static sph_status need_ends(sph__builder *b, uint32_t edge)
 }
 
 /* The cost of a new node's edge, from the collapse's guess where it has it. */
-static sph_status push(sph__builder *b, uint32_t edge, uint32_t node, const sph__guess *guess)
+static sph_status evaluate_new(sph__builder *b, uint32_t edge, uint32_t node, const sph__guess *guess, double *cost)
 {
-    double cost;
-    ++b->h->evaluations;
-    if (guess == NULL || !sph__guess_cost(guess, sph__edge_other(&b->mesh, edge, node), &cost, &b->candidates[edge])) {
-        const sph_status status = need_ends(b, edge);
-        if (status != SPH_OK) return status;
-        cost = sph__evaluate(b, edge, &b->candidates[edge]);
-    }
-    return sph__edge_queue_set(&b->queue, &b->mesh, edge, cost);
+    sph_status status;
+    if (guess != NULL && sph__guess_cost(guess, sph__edge_other(&b->mesh, edge, node), cost, &b->candidates[edge]))
+        return SPH_OK;
+    status = need_ends(b, edge);
+    if (status == SPH_OK) *cost = sph__evaluate(b, edge, &b->candidates[edge]);
+    return status;
+}
+
+/* The edges of a new node, into the queue. */
+static sph_status push_around(sph__builder *b, uint32_t node, const sph__guess *guess)
+{
+    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
+    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    sph_status status = SPH_OK;
+    b->h->evaluations += count;
+    if (!sph__reserve(b->context, (void **)&b->costs, &b->cost_capacity, count, sizeof *b->costs))
+        return sph__fail_memory(b->context);
+    if (b->single) sph__single_evaluate(b, edges, count, b->costs);
+    for (uint32_t i = 0; i < count && status == SPH_OK && !b->single; ++i)
+        status = evaluate_new(b, edges[i], node, guess, &b->costs[i]);
+    for (uint32_t i = 0; i < count && status == SPH_OK; ++i)
+        status = sph__edge_queue_set(&b->queue, &b->mesh, edges[i], b->costs[i]);
+    return status;
 }
 
 /* The united region's block, to where u or v had theirs, or to a new place. */
 static sph_status unite_blocks(sph__builder *b, uint32_t nu, uint32_t nv, const float *block)
 {
     const uint32_t u = b->slot_of[nu], v = b->slot_of[nv];
+    if (b->single) return SPH_OK;
     if (b->h->radii_per_frame) {
         sph__blocks_give(&b->blocks, v);
         return SPH_OK;
@@ -56,6 +72,10 @@ static const float *unite_quadrics(sph__builder *b, uint32_t nu, uint32_t nv, co
     sph__slot *slot = sph__slot_of(b, nu);
     if (b->h->radii_per_frame) {
         slot->c = sph__per_frame_unite(b, nu, nv);
+        return slot->block;
+    }
+    if (b->single) {
+        sph__single_unite(b, nu, nv, candidate);
         return slot->block;
     }
     if (guess == NULL) {
@@ -88,7 +108,7 @@ static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint3
         sph__kernel_unite_means(mean, b->means + (size_t)(sv - b->slots) * 4 * b->stride, b->stride, mean);
     }
     sph__unite_widths(b, su, sv, candidate);
-    b->next_member[su->last] = sv->first;
+    b->next_member[su->last] = (uint32_t)(sv - b->slots);
     su->last = sv->last;
     su->count += sv->count;
     su->node = w;
@@ -117,18 +137,26 @@ static void prefetch_around(const sph__builder *b, uint32_t node)
 {
     const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
     const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    enum { LINES = 6 };
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
         const char *center = (const char *)sph__node_center(b, x);
         __builtin_prefetch(sph__slot_of(b, x));
+        __builtin_prefetch(&b->candidates[edges[i]], 1);
+        sph__heap_prefetch_item(&b->queue.open, edges[i]);
+        if (b->single) {
+            __builtin_prefetch(b->rows + b->slot_of[x] * SPH__SINGLE_ROWS);
+            continue;
+        }
         __builtin_prefetch(center);
         __builtin_prefetch(center + 64);
     }
     for (uint32_t i = 0; i < count; ++i) {
         const sph__slot *slot = sph__slot_of(b, sph__edge_other(&b->mesh, edges[i], node));
         sph__prefetch_widths(b, slot);
-        if (slot->block == NULL) continue;
-        for (size_t line = 0; line < 6; ++line) __builtin_prefetch((const char *)slot->block + 64 * line);
+        sph__heap_prefetch_place(&b->queue.open, edges[i]);
+        if (slot->block == NULL || b->single) continue;
+        for (size_t line = 0; line < LINES; ++line) __builtin_prefetch((const char *)slot->block + 64 * line);
     }
 }
 
@@ -143,8 +171,7 @@ static sph_status collapse(sph__builder *b, uint32_t u, uint32_t v, const sph__c
     if (guess == NULL) prefetch_around(b, w);
     record_collapse(b, u, v, w, forced);
     status = sph__births_add(&b->births, &b->mesh, w);
-    for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_edges, w) && status == SPH_OK; ++i)
-        status = push(b, sph__list_items(&b->mesh.node_edges, w)[i], w, guess);
+    if (status == SPH_OK) status = push_around(b, w, guess);
     return status == SPH_OK ? sph__edge_queue_readmit(&b->queue, &b->mesh, w) : status;
 }
 
@@ -200,6 +227,10 @@ static sph_status make_sphere(sph__builder *b, uint32_t edge, uint32_t nu, uint3
     const sph__candidate *candidate = &b->candidates[edge];
     sph_status status = need_ends(b, edge);
     if (status != SPH_OK) return status;
+    if (b->single) {
+        sph__single_center(b, nu, nv, candidate);
+        return SPH_OK;
+    }
     if (!b->h->radii_per_frame) {
         const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
         sph__kernel_centers(&u, &v, b->stride, b->coherence, candidate->lambda, (double)(float)candidate->radius,

@@ -24,21 +24,19 @@ sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double r
     return (sph__minimum){.lambda = found.lambda, .radius = found.radius, .cost = cost > 0 ? cost : 0};
 }
 
-double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const sph__region *v, const sph__slot *su,
-                             const sph__slot *sv, sph__candidate *candidate)
+double sph__evaluate_sums(const sph__builder *b, const sph__sums *sums, double u_radius, const sph__slot *su,
+                          const sph__slot *sv, sph__candidate *candidate)
 {
-    sph__sums sums;
     sph__minimum minimum;
     *candidate = (sph__candidate){.exact = 1};
-    sph__kernel_sums(u, v, b->frames, b->stride, b->coherence, &sums);
     if (b->options.radius_mode == SPH_RADIUS_ZERO) {
-        minimum = sph__sums_minimize(&sums, u->radius, 0);
+        minimum = sph__sums_minimize(sums, u_radius, 0);
     } else {
         const double lower = b->radius_factor * (su->width > sv->width ? su->width : sv->width);
-        minimum = sph__sums_minimize(&sums, u->radius, (double)INFINITY);
+        minimum = sph__sums_minimize(sums, u_radius, (double)INFINITY);
         if (minimum.radius > lower) {
             const double upper = sph__union_width_bound(b, su, sv);
-            minimum = sph__sums_minimize(&sums, u->radius, b->radius_factor * upper);
+            minimum = sph__sums_minimize(sums, u_radius, b->radius_factor * upper);
             candidate->exact = b->probe_frames == b->frames; /* then the bound is the width */
             candidate->width = candidate->exact ? upper : 0;
         }
@@ -46,6 +44,14 @@ double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const 
     candidate->lambda = minimum.lambda;
     candidate->radius = minimum.radius;
     return minimum.cost;
+}
+
+double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const sph__region *v, const sph__slot *su,
+                             const sph__slot *sv, sph__candidate *candidate)
+{
+    sph__sums sums;
+    sph__kernel_sums(u, v, b->frames, b->stride, b->coherence, &sums);
+    return sph__evaluate_sums(b, &sums, u->radius, su, sv, candidate);
 }
 
 double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candidate)

@@ -81,7 +81,7 @@ static bool add_cell(const sph__builder *b, sph__extents *e, uint32_t v)
 
 static bool add_region(const sph__builder *b, sph__extents *e, const sph__slot *slot)
 {
-    uint32_t v = slot->first;
+    uint32_t v = (uint32_t)(slot - b->slots);
     for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v])
         if (!add_cell(b, e, v)) return false;
     return true;
@@ -89,7 +89,7 @@ static bool add_region(const sph__builder *b, sph__extents *e, const sph__slot *
 
 static void mark_members(const sph__builder *b, sph__extents *e, const sph__slot *slot)
 {
-    uint32_t v = slot->first;
+    uint32_t v = (uint32_t)(slot - b->slots);
     for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v]) e->member_stamps[v] = e->stamp;
 }
 

@@ -8,7 +8,7 @@ sph_status sph__guesses_create(sph__builder *b)
     const uint32_t workers = sph__worker_count(b->context);
     const size_t rows = (3 + SPH__BLOCK_ROWS) * b->stride;
     sph__guesses *g;
-    if (workers < 2 || b->h->radii_per_frame || b->coherence > 0 || b->mesh.edge_count < FEWEST_EDGES) return SPH_OK;
+    if (workers < 2 || b->single || b->h->radii_per_frame || b->coherence > 0 || b->mesh.edge_count < FEWEST_EDGES) return SPH_OK;
     g = b->guesses = sph__zalloc(b->context, 1, sizeof *g);
     if (g == NULL) return sph__fail_memory(b->context);
     g->rows = sph__zalloc(b->context, SPH__GUESSES, rows * sizeof *g->rows);

@@ -78,7 +78,7 @@ static sph_status allocate_builder(sph__builder *b)
     b->slots = sph__zalloc(b->context, b->n + (size_t)SPH__GUESS_SLOTS, sizeof *b->slots);
     b->slot_of = sph__alloc(b->context, 2 * (size_t)b->n - 1, sizeof *b->slot_of);
     b->next_member = sph__alloc(b->context, b->n, sizeof *b->next_member);
-    b->leaf_rows = b->h->radii_per_frame ? SPH__BLOCK_ROWS : SPH__LEAF_ROWS;
+    b->leaf_rows = b->h->radii_per_frame || b->single ? SPH__BLOCK_ROWS : SPH__LEAF_ROWS;
     block_size = (SPH__BLOCK_ROWS + (b->h->radii_per_frame ? (size_t)SPH__FRAME_ROWS : 0)) * b->stride;
     sph__slabs_init(&b->slabs, b->context, block_size, b->n);
     sph__blocks_init(&b->blocks, &b->slabs, b->slots, block_size);
@@ -114,6 +114,8 @@ static void free_builder(sph__builder *b)
     }
     sph__free(context, b->slots);
     sph__free(context, b->slot_of);
+    sph__free(context, b->rows);
+    sph__free(context, b->costs);
     sph__free(context, b->means);
     sph__guesses_destroy(b);
     sph__connectivity_free(&b->mesh);
@@ -172,11 +174,12 @@ sph_status sph_hierarchy_create(const sph_animation *animation, const sph_hierar
     b.n = animation->vertex_count;
     b.frames = animation->frame_count;
     if (b.n > VERTEX_LIMIT) return sph__fail(b.context, SPH_E_INVALID, "%u vertices are more than 2^30", b.n);
-    b.stride = ((size_t)b.frames + SPH__LANES - 1) / SPH__LANES * SPH__LANES;
-    b.node_floats = 3 * b.stride;
     b.radius_factor = b.options.radius_factor;
     /* Beyond this nothing changes but the rounding, until products of three overflow. */
     b.coherence = fmin(b.options.temporal_coherence, 1e12);
+    b.single = b.frames == 1 && b.options.radius_mode != SPH_RADIUS_PER_FRAME && !(b.coherence > 0);
+    b.stride = b.single ? 1 : ((size_t)b.frames + SPH__LANES - 1) / SPH__LANES * SPH__LANES;
+    b.node_floats = 3 * b.stride;
     b.direction_count = b.options.width_directions;
     sph__progress_begin(&b.progress, b.context);
     status = run_steps(&b);

@@ -182,13 +182,33 @@ static void measure_range(void *argument, size_t begin, size_t end)
     }
 }
 
+/* The same of one frame: eight triangles at once. */
+static void measure_single_range(void *argument, size_t begin, size_t end)
+{
+    const volumes *v = argument;
+    _Alignas(SPH__ALIGN) float corners[4][3][SPH__LANES] = {{{0}}};
+    double sums[SPH__LANES][2];
+    for (size_t t = begin; t < end; t += SPH__LANES) {
+        const size_t count = end - t < SPH__LANES ? end - t : SPH__LANES;
+        for (size_t l = 0; l < count; ++l) {
+            const uint32_t *corner = v->b->cells + 3 * (t + l);
+            for (size_t k = 0; k < 3; ++k) {
+                corners[0][k][l] = sph__node_center(v->b, v->roots[corner[0]])[k];
+                for (size_t c = 0; c < 3; ++c) corners[c + 1][k][l] = sph__node_center(v->b, corner[c])[k];
+            }
+        }
+        sph__kernel_volumes(corners, sums);
+        memcpy(v->triangles + t, sums, count * sizeof *sums);
+    }
+}
+
 /* Adds them up by component. */
 static sph_status add_volumes(const sph__builder *b, const uint32_t *roots, double (*sums)[2])
 {
     enum { GRAIN = 64 };
     volumes v = {b, roots, sph__alloc(b->context, b->cell_count, sizeof *v.triangles)};
     if (v.triangles == NULL) return sph__fail_memory(b->context);
-    sph__parallel_for(b->context, b->cell_count, GRAIN, measure_range, &v);
+    sph__parallel_for(b->context, b->cell_count, GRAIN, b->single ? measure_single_range : measure_range, &v);
     for (size_t t = 0; t < b->cell_count; ++t)
         for (unsigned k = 0; k < 2; ++k) sums[roots[b->cells[3 * t]]][k] += v.triangles[t][k];
     sph__free(b->context, v.triangles);

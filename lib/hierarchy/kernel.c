@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include <math.h>
+#include <string.h>
 
+#include "base/base.h"
 #include "hierarchy/kernel.h"
 #include "hierarchy/lanes.h"
 #include "quadric/minimizer.h"
@@ -15,7 +17,8 @@ typedef struct frame_quadric {
 /* Eight frames of a row, from where they begin in the block. */
 #define row(frames, number) sph__load(frames, (number) * SPH__LANES)
 
-SPH__INLINE void unite_frames(const sph__region *u, const sph__region *v, size_t s, size_t i, double offset,
+/* `offset`: what the radius of v is beyond that of u, in all lanes. */
+SPH__INLINE void unite_frames(const sph__region *u, const sph__region *v, size_t s, size_t i, const sph__v8d *offset,
                               frame_quadric *q)
 {
     const float *a = u->block + i * (u->leaf ? SPH__LEAF_ROWS : SPH__BLOCK_ROWS);
@@ -30,8 +33,8 @@ SPH__INLINE void unite_frames(const sph__region *u, const sph__region *v, size_t
     const sph__v8d t1 = v01 * d0 + v11 * d1 + v12 * d2;
     const sph__v8d t2 = v02 * d0 + v12 * d1 + v22 * d2;
     const sph__v8d nd = n0 * d0 + n1 * d1 + n2 * d2;
-    sph__v8d c = 0.5 * (t0 * d0 + t1 * d1 + t2 * d2) + offset * nd;
-    sph__v8d b0 = t0 + offset * n0, b1 = t1 + offset * n1, b2 = t2 + offset * n2;
+    sph__v8d c = 0.5 * (t0 * d0 + t1 * d1 + t2 * d2) + *offset * nd;
+    sph__v8d b0 = t0 + *offset * n0, b1 = t1 + *offset * n1, b2 = t2 + *offset * n2;
     if (!v->leaf) {
         const sph__v8d e0 = row(e, SPH__B0), e1 = row(e, SPH__B1), e2 = row(e, SPH__B2);
         c += e0 * d0 + e1 * d1 + e2 * d2;
@@ -106,79 +109,103 @@ SPH__INLINE void invert_frames(const frame_quadric *q, frame_inverse *v)
     v->inverse = sph__select(v->regular, 1.0 / det, det - det);
 }
 
+/* What sums over frames are made of, lane by lane. */
+enum { SUM_B, SUM_C, SUM_NN, SUM_NB, SUM_BB, SUM_MU, SUM_NU, SUM_B1, SUM_SCALE, SUM_COUNT, SUMS };
+
+/* Adds eight frames. */
+SPH__INLINE void add_sums(const sph__region *u, const sph__region *v, size_t s, size_t i, const sph__v8d *offset,
+                          double coherence, sph__v8d sums[SUMS])
+{
+    const sph__v8d zero = {0};
+    frame_quadric q;
+    frame_inverse a;
+    sph__v8d x0, x1, x2, y0, y1, y2;
+    unite_frames(u, v, s, i, offset, &q);
+    if (coherence > 0) add_coherence(u, v, s, i, coherence, &q);
+    invert_frames(&q, &a);
+    sums[SUM_B] += q.sum_b;
+    sums[SUM_C] += q.sum_c;
+    x0 = a.a00 * q.n0 + a.a01 * q.n1 + a.a02 * q.n2;
+    x1 = a.a01 * q.n0 + a.a11 * q.n1 + a.a12 * q.n2;
+    x2 = a.a02 * q.n0 + a.a12 * q.n1 + a.a22 * q.n2;
+    y0 = a.a00 * q.b0 + a.a01 * q.b1 + a.a02 * q.b2;
+    y1 = a.a01 * q.b0 + a.a11 * q.b1 + a.a12 * q.b2;
+    y2 = a.a02 * q.b0 + a.a12 * q.b1 + a.a22 * q.b2;
+    sums[SUM_NN] += (q.n0 * x0 + q.n1 * x1 + q.n2 * x2) * a.inverse;
+    sums[SUM_NB] += (q.b0 * x0 + q.b1 * x1 + q.b2 * x2) * a.inverse;
+    sums[SUM_BB] += (q.b0 * y0 + q.b1 * y1 + q.b2 * y2) * a.inverse;
+    x0 = q.m00 * q.d0 + q.m01 * q.d1 + q.m02 * q.d2;
+    x1 = q.m01 * q.d0 + q.m11 * q.d1 + q.m12 * q.d2;
+    x2 = q.m02 * q.d0 + q.m12 * q.d1 + q.m22 * q.d2;
+    sums[SUM_MU] += sph__select(a.regular, zero, x0 * q.d0 + x1 * q.d1 + x2 * q.d2);
+    sums[SUM_NU] += sph__select(a.regular, zero, q.n0 * q.d0 + q.n1 * q.d1 + q.n2 * q.d2);
+    sums[SUM_B1] += sph__select(a.regular, zero, q.b0 * q.d0 + q.b1 * q.d1 + q.b2 * q.d2);
+    sums[SUM_SCALE] +=
+        sph__select(a.regular, zero, (q.m00 + q.m11 + q.m22) * (q.d0 * q.d0 + q.d1 * q.d1 + q.d2 * q.d2));
+    sums[SUM_COUNT] += sph__select(a.regular, zero, zero + 1.0);
+}
+
 SPH__CLONES static void sums_clones(const sph__region *u, const sph__region *v, size_t s, double coherence, double *out)
 {
+    const sph__v8d zero = {0}, offset = zero + (v->radius - u->radius);
+    sph__v8d sums[SUMS] = {{0}};
+    for (size_t i = 0; i < s; i += SPH__LANES) add_sums(u, v, s, i, &offset, coherence, sums);
+    for (size_t k = 0; k < SUMS; ++k) out[k] = sph__sum(sums[k]);
+}
+
+static void scale_sums(const sph__region *u, const sph__region *v, const double *from, size_t pitch, sph__sums *sums)
+{
     const double offset = v->radius - u->radius;
-    sph__v8d b = {0}, c = {0}, nn = {0}, nb = {0}, bb = {0}, mu = {0}, nu = {0}, b1 = {0}, scale = {0}, count = {0};
-    for (size_t i = 0; i < s; i += SPH__LANES) {
-        const sph__v8d zero = {0};
-        frame_quadric q;
-        frame_inverse a;
-        sph__v8d x0, x1, x2, y0, y1, y2;
-        unite_frames(u, v, s, i, offset, &q);
-        if (coherence > 0) add_coherence(u, v, s, i, coherence, &q);
-        invert_frames(&q, &a);
-        b += q.sum_b;
-        c += q.sum_c;
-        x0 = a.a00 * q.n0 + a.a01 * q.n1 + a.a02 * q.n2;
-        x1 = a.a01 * q.n0 + a.a11 * q.n1 + a.a12 * q.n2;
-        x2 = a.a02 * q.n0 + a.a12 * q.n1 + a.a22 * q.n2;
-        y0 = a.a00 * q.b0 + a.a01 * q.b1 + a.a02 * q.b2;
-        y1 = a.a01 * q.b0 + a.a11 * q.b1 + a.a12 * q.b2;
-        y2 = a.a02 * q.b0 + a.a12 * q.b1 + a.a22 * q.b2;
-        nn += (q.n0 * x0 + q.n1 * x1 + q.n2 * x2) * a.inverse;
-        nb += (q.b0 * x0 + q.b1 * x1 + q.b2 * x2) * a.inverse;
-        bb += (q.b0 * y0 + q.b1 * y1 + q.b2 * y2) * a.inverse;
-        x0 = q.m00 * q.d0 + q.m01 * q.d1 + q.m02 * q.d2;
-        x1 = q.m01 * q.d0 + q.m11 * q.d1 + q.m12 * q.d2;
-        x2 = q.m02 * q.d0 + q.m12 * q.d1 + q.m22 * q.d2;
-        mu += sph__select(a.regular, zero, x0 * q.d0 + x1 * q.d1 + x2 * q.d2);
-        nu += sph__select(a.regular, zero, q.n0 * q.d0 + q.n1 * q.d1 + q.n2 * q.d2);
-        b1 += sph__select(a.regular, zero, q.b0 * q.d0 + q.b1 * q.d1 + q.b2 * q.d2);
-        scale += sph__select(a.regular, zero,
-                             (q.m00 + q.m11 + q.m22) * (q.d0 * q.d0 + q.d1 * q.d1 + q.d2 * q.d2));
-        count += sph__select(a.regular, zero, zero + 1.0);
-    }
-    out[0] = sph__sum(b);
-    out[1] = sph__sum(c);
-    out[2] = sph__sum(nn);
-    out[3] = sph__sum(nb);
-    out[4] = sph__sum(bb);
-    out[5] = sph__sum(mu);
-    out[6] = sph__sum(nu);
-    out[7] = sph__sum(b1);
-    out[8] = sph__sum(scale);
-    out[9] = sph__sum(count);
+    sums->w = u->w + v->w;
+    sums->b = u->b + v->b + from[SUM_B * pitch] + offset * v->w;
+    sums->c = u->c + v->c + from[SUM_C * pitch] + offset * (v->b + 0.5 * offset * v->w);
+    sums->nn = from[SUM_NN * pitch];
+    sums->nb = from[SUM_NB * pitch];
+    sums->bb = from[SUM_BB * pitch];
+    sums->mu = from[SUM_MU * pitch];
+    sums->nu = from[SUM_NU * pitch];
+    sums->b1 = from[SUM_B1 * pitch];
+    sums->mu_scale = from[SUM_SCALE * pitch];
+    sums->degenerate = (uint32_t)from[SUM_COUNT * pitch];
 }
 
 void sph__kernel_sums(const sph__region *u, const sph__region *v, size_t frames, size_t stride, double coherence,
                       sph__sums *sums)
 {
-    const double offset = v->radius - u->radius;
-    double out[10];
+    double out[SUMS];
     sums_clones(u, v, stride, coherence, out);
-    sums->w = u->w + v->w;
-    sums->b = u->b + v->b + out[0] + offset * v->w;
-    sums->c = u->c + v->c + out[1] + offset * (v->b + 0.5 * offset * v->w);
-    sums->nn = out[2];
-    sums->nb = out[3];
-    sums->bb = out[4];
-    sums->mu = out[5];
-    sums->nu = out[6];
-    sums->b1 = out[7];
-    sums->mu_scale = out[8];
-    sums->degenerate = (uint32_t)out[9] - (uint32_t)(stride - frames); /* padding is always degenerate */
+    scale_sums(u, v, out, 1, sums);
+    sums->degenerate -= (uint32_t)(stride - frames); /* padding is always degenerate */
+}
+
+SPH__CLONES static void pair_sums_clones(const sph__lanes *u, const sph__lanes *v, double out[SUMS][SPH__LANES])
+{
+    const sph__region ru = {.block = u->block[0], .center = u->center[0]};
+    const sph__region rv = {.block = v->block[0], .center = v->center[0]};
+    const sph__v8d offset = *(const sph__v8d *)v->radius - *(const sph__v8d *)u->radius;
+    sph__v8d sums[SUMS] = {{0}};
+    add_sums(&ru, &rv, SPH__LANES, 0, &offset, 0, sums);
+    memcpy(out, sums, sizeof sums);
+}
+
+void sph__kernel_pair_sums(const sph__lanes *u, const sph__lanes *v, const sph__region *us, const sph__region *vs,
+                           size_t count, sph__sums *sums)
+{
+    _Alignas(SPH__ALIGN) double out[SUMS][SPH__LANES];
+    pair_sums_clones(u, v, out);
+    for (size_t i = 0; i < count; ++i) scale_sums(&us[i], &vs[i], out[0] + i, SPH__LANES, &sums[i]);
 }
 
 SPH__CLONES static void centers_clones(const sph__region *u, const sph__region *v, size_t s, double coherence,
                                        double lambda, double radius, float *center)
 {
-    const double offset = v->radius - u->radius, r = radius - u->radius;
+    const sph__v8d zero = {0}, offset = zero + (v->radius - u->radius);
+    const double r = radius - u->radius;
     for (size_t i = 0; i < s; i += SPH__LANES) {
         frame_quadric q;
         frame_inverse a;
         sph__v8d x0, x1, x2;
-        unite_frames(u, v, s, i, offset, &q);
+        unite_frames(u, v, s, i, &offset, &q);
         if (coherence > 0) add_coherence(u, v, s, i, coherence, &q);
         invert_frames(&q, &a);
         q.b0 -= r * q.n0;
@@ -205,13 +232,14 @@ void sph__kernel_centers(const sph__region *u, const sph__region *v, size_t stri
 SPH__CLONES static void unite_clones(const sph__region *u, const sph__region *v, size_t s, const float *center,
                                      double radius, float *block, double *out)
 {
-    const double offset = v->radius - u->radius, r = radius - u->radius;
+    const sph__v8d zero = {0}, offset = zero + (v->radius - u->radius);
+    const double r = radius - u->radius;
     sph__v8d sum_b = {0}, sum_c = {0}, sum_nq = {0}, sum_q = {0};
     for (size_t i = 0; i < s; i += SPH__LANES) {
         frame_quadric q;
         sph__v8d x0, x1, x2, t0, t1, t2, nq;
         float *to = block + i * SPH__BLOCK_ROWS;
-        unite_frames(u, v, s, i, offset, &q);
+        unite_frames(u, v, s, i, &offset, &q);
         sum_b += q.sum_b;
         sum_c += q.sum_c;
         x0 = sph__load(center, i) - sph__load(u->center, i);
@@ -256,32 +284,51 @@ void sph__kernel_unite(const sph__region *u, const sph__region *v, size_t stride
     *c = uc + out[3] + r * (0.5 * r * uw - ub);
 }
 
+/* Eight frames, or eight triangles, of sqrt(area * area') n.n'. */
+SPH__INLINE void add_inversion(const float *p, const float *q, const float *before, const float *after, size_t s,
+                               size_t i, sph__v8d *sum)
+{
+    const sph__v8d zero = {0};
+    sph__v8d e[3], f[3], g[3], n[3], m[3], dot, squared, root;
+    for (size_t k = 0; k < 3; ++k) {
+        const sph__v8d o = sph__load(p, k * s + i);
+        e[k] = sph__load(q, k * s + i) - o;
+        f[k] = sph__load(before, k * s + i) - o;
+        g[k] = sph__load(after, k * s + i) - o;
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+        n[k] = e[k1] * f[k2] - e[k2] * f[k1];
+        m[k] = e[k1] * g[k2] - e[k2] * g[k1];
+    }
+    dot = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+    squared = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+    /* sqrt(A A') n.n' = (N.N') / (2 sqrt(|N| |N'|)) with N twice the area times the normal */
+    root = sph__root(squared);
+    root = sph__root(root);
+    *sum += sph__select(sph__greater(squared, zero), dot / root, squared - squared);
+}
+
 SPH__CLONES static double inversion_clones(const float *p, const float *q, const float *before, const float *after,
                                            size_t s)
 {
     sph__v8d sum = {0};
-    for (size_t i = 0; i < s; i += SPH__LANES) {
-        const sph__v8d zero = {0};
-        sph__v8d e[3], f[3], g[3], n[3], m[3], dot, squared, root;
-        for (size_t k = 0; k < 3; ++k) {
-            const sph__v8d o = sph__load(p, k * s + i);
-            e[k] = sph__load(q, k * s + i) - o;
-            f[k] = sph__load(before, k * s + i) - o;
-            g[k] = sph__load(after, k * s + i) - o;
-        }
-        for (size_t k = 0; k < 3; ++k) {
-            const size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-            n[k] = e[k1] * f[k2] - e[k2] * f[k1];
-            m[k] = e[k1] * g[k2] - e[k2] * g[k1];
-        }
-        dot = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
-        squared = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
-        /* sqrt(A A') n.n' = (N.N') / (2 sqrt(|N| |N'|)) with N twice the area times the normal */
-        root = sph__root(squared);
-        root = sph__root(root);
-        sum += sph__select(sph__greater(squared, zero), dot / root, squared - squared);
-    }
+    for (size_t i = 0; i < s; i += SPH__LANES) add_inversion(p, q, before, after, s, i, &sum);
     return 0.5 * sph__sum(sum);
+}
+
+SPH__CLONES static bool any_inversion_clones(float (*corners)[3][SPH__LANES])
+{
+    sph__v8d sum = {0};
+    int any = 0;
+    add_inversion(corners[0][0], corners[1][0], corners[2][0], corners[3][0], SPH__LANES, 0, &sum);
+    for (size_t l = 0; l < SPH__LANES; ++l) any |= sum[l] < 0;
+    return any != 0;
+}
+
+bool sph__kernel_any_inversion(float corners[4][3][SPH__LANES])
+{
+    return any_inversion_clones(corners);
 }
 
 double sph__kernel_inversion(const float *p, const float *q, const float *before, const float *after, size_t stride)
@@ -289,28 +336,47 @@ double sph__kernel_inversion(const float *p, const float *q, const float *before
     return inversion_clones(p, q, before, after, stride);
 }
 
+SPH__INLINE void add_volume(const float *o, const float *p, const float *q, const float *r, size_t s, size_t i,
+                            sph__v8d *volume, sph__v8d *area)
+{
+    sph__v8d d[3], e[3], f[3], n[3], squared;
+    for (size_t k = 0; k < 3; ++k) {
+        const sph__v8d at = sph__load(p, k * s + i);
+        d[k] = at - sph__load(o, k * s + i);
+        e[k] = sph__load(q, k * s + i) - at;
+        f[k] = sph__load(r, k * s + i) - at;
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+        n[k] = e[k1] * f[k2] - e[k2] * f[k1];
+    }
+    squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    *area += sph__root(squared);
+    *volume += n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
+}
+
 SPH__CLONES static void volume_clones(const float *o, const float *p, const float *q, const float *r, size_t s,
                                       double sums[2])
 {
     sph__v8d volume = {0}, area = {0};
-    for (size_t i = 0; i < s; i += SPH__LANES) {
-        sph__v8d d[3], e[3], f[3], n[3], squared;
-        for (size_t k = 0; k < 3; ++k) {
-            const sph__v8d at = sph__load(p, k * s + i);
-            d[k] = at - sph__load(o, k * s + i);
-            e[k] = sph__load(q, k * s + i) - at;
-            f[k] = sph__load(r, k * s + i) - at;
-        }
-        for (size_t k = 0; k < 3; ++k) {
-            const size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-            n[k] = e[k1] * f[k2] - e[k2] * f[k1];
-        }
-        squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-        area += sph__root(squared);
-        volume += n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
-    }
+    for (size_t i = 0; i < s; i += SPH__LANES) add_volume(o, p, q, r, s, i, &volume, &area);
     sums[0] = sph__sum(volume) / 6;
     sums[1] = sph__sum(area) / 2;
+}
+
+SPH__CLONES static void volumes_clones(float (*corners)[3][SPH__LANES], double (*sums)[2])
+{
+    sph__v8d volume = {0}, area = {0};
+    add_volume(corners[0][0], corners[1][0], corners[2][0], corners[3][0], SPH__LANES, 0, &volume, &area);
+    for (size_t l = 0; l < SPH__LANES; ++l) {
+        sums[l][0] = volume[l] / 6;
+        sums[l][1] = area[l] / 2;
+    }
+}
+
+void sph__kernel_volumes(float corners[4][3][SPH__LANES], double sums[SPH__LANES][2])
+{
+    volumes_clones(corners, sums);
 }
 
 void sph__kernel_volume(const float *o, const float *p, const float *q, const float *r, size_t stride, double sums[2])

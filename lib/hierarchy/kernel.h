@@ -9,6 +9,7 @@
 #ifndef SPH_HIERARCHY_KERNEL_H
 #define SPH_HIERARCHY_KERNEL_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -36,6 +37,13 @@ typedef struct sph__region {
     int leaf;              /* 1: the b rows are zero and not there: the block has SPH__LEAF_ROWS rows */
 } sph__region;
 
+/* One frame of eight regions side by side. */
+typedef struct sph__lanes {
+    _Alignas(64) float block[SPH__BLOCK_ROWS][SPH__LANES];
+    _Alignas(64) float center[3][SPH__LANES];
+    _Alignas(64) double radius[SPH__LANES];
+} sph__lanes;
+
 /* What a pass over the frames of the united quadric yields; all relative to the sphere of u. */
 typedef struct sph__sums {
     double b, c;       /* scalars B and c of the union */
@@ -54,6 +62,10 @@ typedef struct sph__minimum {
 void sph__kernel_sums(const sph__region *u, const sph__region *v, size_t frames, size_t stride, double coherence,
                       sph__sums *sums);
 
+/* The sums of `count` pairs, up to eight, of regions of one frame, without coherence; their scalars are in us and vs. */
+void sph__kernel_pair_sums(const sph__lanes *u, const sph__lanes *v, const sph__region *us, const sph__region *vs,
+                           size_t count, sph__sums *sums);
+
 /* The centres of the united sphere: three rows. */
 void sph__kernel_centers(const sph__region *u, const sph__region *v, size_t stride, double coherence, double lambda,
                          double radius, float *center);
@@ -68,8 +80,13 @@ void sph__kernel_unite(const sph__region *u, const sph__region *v, size_t stride
 /* sum over frames of sqrt(area * area') n.n' of triangle (p, q, old) and (p, q, new). */
 double sph__kernel_inversion(const float *p, const float *q, const float *before, const float *after, size_t stride);
 
+/* Whether that is below zero for one of eight triangles of one frame; p, q, before and after of each. */
+bool sph__kernel_any_inversion(float corners[4][3][SPH__LANES]);
+
 /* The signed volume of the tetrahedron (o, p, q, r), and the area of (p, q, r), each summed over frames. */
 void sph__kernel_volume(const float *o, const float *p, const float *q, const float *r, size_t stride, double sums[2]);
+/* The same of eight triangles of one frame; o, p, q and r of each. */
+void sph__kernel_volumes(float corners[4][3][SPH__LANES], double sums[SPH__LANES][2]);
 
 /* mean and area rows of the union */
 void sph__kernel_unite_means(const float *u, const float *v, size_t stride, float *out);

@@ -56,4 +56,10 @@ SPH__INLINE double sph__sum_lanes(const sph__v8d *v)
     return (((*v)[0] + (*v)[1]) + ((*v)[2] + (*v)[3])) + (((*v)[4] + (*v)[5]) + ((*v)[6] + (*v)[7]));
 }
 
+/* The same of doubles in memory. */
+SPH__INLINE double sph__sum_doubles(const double x[SPH__LANES])
+{
+    return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
+}
+
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The regions of single vertices: their quadrics, from the triangles around them. */
 #include "hierarchy/caps.h"
+#include "hierarchy/single.h"
 
 /* Triangles whose planes are added in one pass over the frames. */
 enum { FAN = 16 };
@@ -51,8 +52,8 @@ SPH__INLINE void add_plane(const fan *f, size_t t, size_t s, size_t i, sph__v8f 
 }
 
 /* Adds the planes of a fan to the leaf rows of a block of `rows` rows; the sum over frames of each one's W, and at the end
- * of the cap's, into `w`. */
-SPH__CLONES static void add_fan(const fan *f, size_t s, size_t rows, bool first, float *block, double w[FAN + 1])
+ * of the cap's, into `w`, lane by lane. */
+SPH__CLONES static void add_fan(const fan *f, size_t s, size_t rows, bool first, float *block, double (*w)[SPH__LANES])
 {
     sph__v8d totals[FAN + 1] = {{0}};
     for (size_t i = 0; i < s; i += SPH__LANES) {
@@ -66,17 +67,29 @@ SPH__CLONES static void add_fan(const fan *f, size_t s, size_t rows, bool first,
         if (first && rows > SPH__LEAF_ROWS)
             memset(to + SPH__LEAF_ROWS * SPH__LANES, 0, (rows - SPH__LEAF_ROWS) * sizeof sums[0]);
     }
-    for (size_t t = 0; t <= f->count; ++t) w[t] = sph__sum(totals[t]);
+    memcpy(w, totals, (f->count + 1) * sizeof *totals);
+}
+
+static double leaf_weight(const sph__builder *b, uint32_t v)
+{
+    return (b->importance != NULL && !b->importance_per_frame ? (double)b->importance[v] : 1) / 3;
+}
+
+/* The cap's weight where it is made with the planes. */
+static double fan_cap_weight(const sph__builder *b, uint32_t v)
+{
+    return b->cell_starts[v + 1] - b->cell_starts[v] <= FAN ? sph__cap_weight(b, v) : 0;
 }
 
 /* The quadric of vertex v into the leaf rows of `block`; returns W. */
 static double make_leaf(const sph__builder *b, uint32_t v, float *block)
 {
+    _Alignas(SPH__ALIGN) double each[FAN + 1][SPH__LANES];
     fan f = {.center = sph__node_center(b, v), .weights = b->importance_per_frame ? b->importance + v * b->stride : NULL};
-    double w = 0, each[FAN + 1];
+    double w = 0;
     size_t at = b->cell_starts[v];
-    f.weight = (b->importance != NULL && !b->importance_per_frame ? (double)b->importance[v] : 1) / 3;
-    f.cap_weight = b->cell_starts[v + 1] - at <= FAN ? sph__cap_weight(b, v) : 0;
+    f.weight = leaf_weight(b, v);
+    f.cap_weight = fan_cap_weight(b, v);
     do {
         const bool first = at == b->cell_starts[v];
         for (f.count = 0; f.count < FAN && at < b->cell_starts[v + 1]; ++f.count, ++at) {
@@ -86,9 +99,114 @@ static double make_leaf(const sph__builder *b, uint32_t v, float *block)
             f.corners[f.count][1] = sph__node_center(b, previous);
         }
         add_fan(&f, b->stride, b->leaf_rows, first, block, each);
-        for (size_t t = 0; t < f.count; ++t) w += each[t];
+        for (size_t t = 0; t < f.count; ++t) w += sph__sum_doubles(each[t]);
     } while (at < b->cell_starts[v + 1]);
-    return w + (f.cap_weight > 0 ? each[f.count] : sph__add_cap(b, v, block));
+    return w + (f.cap_weight > 0 ? sph__sum_doubles(each[f.count]) : sph__add_cap(b, v, block));
+}
+
+/* --- a single frame: eight leaves side by side --- */
+
+/* Lanes: their vertices, the rows of these, and of the corners of their triangles. */
+typedef struct leaf_lanes {
+    _Alignas(SPH__ALIGN) float center[3][SPH__LANES], corners[FAN][2][3][SPH__LANES];
+    uint32_t vertices[SPH__LANES];
+    size_t count, ends[SPH__LANES]; /* triangles of each that have been put */
+    double weight, cap_weight;
+} leaf_lanes;
+
+static void put_row(const float *xyz, size_t lane, float rows[3][SPH__LANES])
+{
+    for (size_t k = 0; k < 3; ++k) rows[k][lane] = xyz[k];
+}
+
+/* The triangles of a lane's vertex from `at` on, as many as there is room for; returns where it stopped. */
+static size_t put_cells(const sph__builder *b, leaf_lanes *lanes, size_t lane, size_t at)
+{
+    const uint32_t v = lanes->vertices[lane];
+    size_t t = 0;
+    for (; t < FAN && at < b->cell_starts[v + 1]; ++t, ++at) {
+        uint32_t next, previous;
+        sph__cell_others(b, at, v, &next, &previous);
+        put_row(sph__node_center(b, next), lane, lanes->corners[t][0]);
+        put_row(sph__node_center(b, previous), lane, lanes->corners[t][1]);
+    }
+    lanes->ends[lane] = t;
+    return at;
+}
+
+/* Adds them to the leaf rows. Where a lane has fewer triangles than others, they are points, which add nothing. */
+static size_t add_lanes(leaf_lanes *lanes, bool first, float block[SPH__BLOCK_ROWS][SPH__LANES],
+                        double w[FAN + 1][SPH__LANES])
+{
+    fan f = {.center = lanes->center[0], .weight = lanes->weight, .cap_weight = lanes->cap_weight};
+    for (size_t l = 0; l < lanes->count; ++l) f.count = lanes->ends[l] > f.count ? lanes->ends[l] : f.count;
+    for (size_t l = 0; l < SPH__LANES; ++l)
+        for (size_t t = l < lanes->count ? lanes->ends[l] : 0; t < f.count; ++t)
+            for (size_t k = 0; k < 6; ++k) lanes->corners[t][k / 3][k % 3][l] = lanes->center[k % 3][l];
+    for (size_t t = 0; t < f.count; ++t) {
+        f.corners[t][0] = lanes->corners[t][0][0];
+        f.corners[t][1] = lanes->corners[t][1][0];
+    }
+    add_fan(&f, SPH__LANES, SPH__BLOCK_ROWS, first, block[0], w);
+    return f.count;
+}
+
+static void finish_lanes(const sph__builder *b, leaf_lanes *lanes)
+{
+    _Alignas(SPH__ALIGN) float block[SPH__BLOCK_ROWS][SPH__LANES];
+    _Alignas(SPH__ALIGN) double each[FAN + 1][SPH__LANES];
+    const size_t count = lanes->count > 0 ? add_lanes(lanes, true, block, each) : 0;
+    for (size_t l = 0; l < lanes->count; ++l) {
+        const uint32_t v = lanes->vertices[l];
+        float *rows = sph__single_rows(b, v);
+        double w = 0;
+        size_t at = b->cell_starts[v] + lanes->ends[l], more = count;
+        for (size_t t = 0; t < count; ++t) w += each[t][l];
+        while (at < b->cell_starts[v + 1]) { /* then it is alone */
+            at = put_cells(b, lanes, l, at);
+            more = add_lanes(lanes, false, block, each);
+            for (size_t t = 0; t < more; ++t) w += each[t][l];
+        }
+        b->slots[v].w = w + (lanes->cap_weight > 0 ? each[more][l] : sph__add_cap(b, v, block[0]));
+        for (size_t k = 0; k < SPH__BLOCK_ROWS; ++k) rows[k] = block[k][l];
+        memcpy(rows + SPH__SINGLE_CENTER, sph__node_center(b, v), 3 * sizeof(float));
+        rows[SPH__SINGLE_RADIUS] = 0;
+    }
+    lanes->count = 0;
+}
+
+/* Those that follow each other and are alike share a pass. */
+static void make_single_leaves(void *argument, size_t begin, size_t end)
+{
+    const sph__builder *b = argument;
+    leaf_lanes lanes = {.count = 0};
+    for (size_t v = begin; v < end; ++v) {
+        const double weight = leaf_weight(b, (uint32_t)v), cap_weight = fan_cap_weight(b, (uint32_t)v);
+        /* its cap, if any, is made apart */
+        const bool alone = !(cap_weight > 0) && sph__cap_weight(b, (uint32_t)v) > 0;
+        const bool many = b->cell_starts[v + 1] - b->cell_starts[v] > FAN;
+        if (lanes.count == SPH__LANES || alone || many || weight < lanes.weight || weight > lanes.weight ||
+            cap_weight < lanes.cap_weight || cap_weight > lanes.cap_weight)
+            finish_lanes(b, &lanes);
+        lanes.weight = weight;
+        lanes.cap_weight = cap_weight;
+        lanes.vertices[lanes.count] = (uint32_t)v;
+        put_row(sph__node_center(b, (uint32_t)v), lanes.count, lanes.center);
+        put_cells(b, &lanes, lanes.count, b->cell_starts[v]);
+        ++lanes.count;
+        if (alone || many) finish_lanes(b, &lanes);
+    }
+    finish_lanes(b, &lanes);
+}
+
+sph_status sph__single_leaves(sph__builder *b)
+{
+    enum { GRAIN = 512 };
+    b->rows = sph__alloc(b->context, b->n, SPH__SINGLE_ROWS * sizeof *b->rows);
+    if (b->rows == NULL) return sph__fail_memory(b->context);
+    for (uint32_t v = 0; v < b->n; ++v) b->slots[v].block = sph__single_rows(b, v);
+    sph__parallel_for(b->context, b->n, GRAIN, make_single_leaves, b);
+    return SPH_OK;
 }
 
 /* Area of v's cell and its mean (the vertex itself) per frame. */
@@ -146,7 +264,7 @@ sph_status sph__make_leaves(sph__builder *b)
 {
     sph_status status = SPH_OK;
     for (uint32_t v = 0; v < b->n; ++v) {
-        b->slots[v] = (sph__slot){.node = v, .first = v, .last = v, .count = 1};
+        b->slots[v] = (sph__slot){.node = v, .last = v, .count = 1};
         b->slot_of[v] = v;
         b->next_member[v] = SPH__NO_NODE;
         if (b->h->radii_per_frame)
@@ -154,6 +272,7 @@ sph_status sph__make_leaves(sph__builder *b)
         else
             b->h->radii[v] = 0;
     }
+    if (b->single) status = sph__single_leaves(b);
     if (b->h->radii_per_frame) status = make_blocks(b);
     return status == SPH_OK && b->coherence > 0 ? make_means(b) : status;
 }
@@ -186,7 +305,7 @@ sph_status sph__hold_leaf(sph__builder *b, uint32_t node, bool *fresh)
     sph__slot *slot;
     uint32_t idle;
     *fresh = false;
-    if (node >= b->n || b->h->radii_per_frame) return SPH_OK;
+    if (node >= b->n || b->single || b->h->radii_per_frame) return SPH_OK;
     slot = &b->slots[node]; /* a leaf is in its own */
     slot->pin = b->pin;
     slot->used = slot->block != NULL;

@@ -3,7 +3,7 @@
  * The start of the queue: the costs of all edges of the input. Vertices are taken in the order of a walk over the mesh, some
  * at a time, so that the blocks of leaves that they need are few and near.
  */
-#include "hierarchy/build.h"
+#include "hierarchy/single.h"
 
 enum { WAVE = 256, LEAF_GRAIN = 8, EDGE_GRAIN = 32 };
 
@@ -115,18 +115,61 @@ static sph_status run_wave(walk *w, uint32_t begin, uint32_t end)
     return status;
 }
 
-sph_status sph__fill_queue(sph__builder *b)
+typedef struct edge_range {
+    const sph__builder *b;
+    const uint32_t *edges;
+    double *costs;
+} edge_range;
+
+static void evaluate_single(void *argument, size_t begin, size_t end)
+{
+    const edge_range *r = argument;
+    sph__single_evaluate(r->b, r->edges + begin, end - begin, r->costs + begin);
+}
+
+/* A single frame: all leaves are there, so edges are taken in the order of their numbers. */
+static sph_status fill_single(sph__builder *b)
+{
+    enum { CHUNK = 1 << 14, GRAIN = 512 };
+    const uint32_t count = b->mesh.edge_count;
+    uint32_t *edges = sph__alloc(b->context, CHUNK, sizeof *edges);
+    double *costs = sph__alloc(b->context, CHUNK, sizeof *costs);
+    edge_range range = {b, edges, costs};
+    sph_status status = edges == NULL || costs == NULL ? sph__fail_memory(b->context) : SPH_OK;
+    for (uint32_t first = 0; first < count && status == SPH_OK; first += CHUNK) {
+        const uint32_t some = count - first < CHUNK ? count - first : CHUNK;
+        status = sph__progress_report(&b->progress, "evaluation", (double)first / count);
+        for (uint32_t i = 0; i < some; ++i) edges[i] = first + i;
+        if (status == SPH_OK) sph__parallel_for(b->context, some, GRAIN, evaluate_single, &range);
+        for (uint32_t i = 0; i < some && status == SPH_OK; ++i)
+            status = sph__edge_queue_set(&b->queue, &b->mesh, first + i, costs[i]);
+    }
+    b->h->evaluations += count;
+    sph__free(b->context, edges);
+    sph__free(b->context, costs);
+    return status;
+}
+
+/* More frames: by waves of a walk. */
+static sph_status fill_by_walk(sph__builder *b)
 {
     walk w = {.b = b};
     sph_status status = find_order(&w);
-    b->candidates = sph__alloc(b->context, b->mesh.edge_count, sizeof *b->candidates);
-    if (status == SPH_OK && b->candidates == NULL) status = sph__fail_memory(b->context);
-    if (status == SPH_OK) status = sph__heap_reserve(&b->queue.open, b->mesh.edge_count);
     for (uint32_t i = 0; i < b->n && status == SPH_OK; i += WAVE) {
         status = sph__progress_report(&b->progress, "evaluation", (double)i / b->n);
         if (status == SPH_OK) status = run_wave(&w, i, b->n - i < WAVE ? b->n : i + WAVE);
     }
     walk_free(b->context, &w);
+    return status;
+}
+
+sph_status sph__fill_queue(sph__builder *b)
+{
+    sph_status status;
+    b->candidates = sph__alloc(b->context, b->mesh.edge_count, sizeof *b->candidates);
+    if (b->candidates == NULL) return sph__fail_memory(b->context);
+    status = sph__heap_reserve(&b->queue.open, b->mesh.edge_count);
+    if (status == SPH_OK) status = b->single ? fill_single(b) : fill_by_walk(b);
     for (uint32_t v = 0; v < b->n; ++v) b->live_weight += b->slots[v].w;
     return status;
 }
