@@ -203,7 +203,12 @@ double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candi
 /* The same of regions (not with radii per frame), u the older. */
 double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const sph__region *v, const sph__slot *su,
                              const sph__slot *sv, sph__candidate *candidate);
-/* The same from the sums. */
+/* What will be read soon is asked for, so that one wait serves for all of it: for the collapse of u and v, and of what is
+ * next in the queue; for the edges of a new node. */
+void sph__prefetch_collapse(const sph__builder *b, uint32_t u, uint32_t v);
+void sph__prefetch_around(const sph__builder *b, uint32_t node);
+
+/* That from the sums. */
 double sph__evaluate_sums(const sph__builder *b, const sph__sums *sums, double u_radius, const sph__slot *su,
                           const sph__slot *sv, sph__candidate *candidate);
 /* The exact cost (not with radii per frame). */

@@ -132,34 +132,6 @@ static void record_collapse(sph__builder *b, uint32_t u, uint32_t v, uint32_t w,
     if (forced && h->first_forced == SPH__NO_NODE) h->first_forced = t;
 }
 
-/* Asks for what the edges of a new node will read, all before the first waits for it. */
-static void prefetch_around(const sph__builder *b, uint32_t node)
-{
-    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
-    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
-    enum { LINES = 6 };
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
-        const char *center = (const char *)sph__node_center(b, x);
-        __builtin_prefetch(sph__slot_of(b, x));
-        __builtin_prefetch(&b->candidates[edges[i]], 1);
-        sph__heap_prefetch_item(&b->queue.open, edges[i]);
-        if (b->single) {
-            __builtin_prefetch(b->rows + b->slot_of[x] * SPH__SINGLE_ROWS);
-            continue;
-        }
-        __builtin_prefetch(center);
-        __builtin_prefetch(center + 64);
-    }
-    for (uint32_t i = 0; i < count; ++i) {
-        const sph__slot *slot = sph__slot_of(b, sph__edge_other(&b->mesh, edges[i], node));
-        sph__prefetch_widths(b, slot);
-        sph__heap_prefetch_place(&b->queue.open, edges[i]);
-        if (slot->block == NULL || b->single) continue;
-        for (size_t line = 0; line < LINES; ++line) __builtin_prefetch((const char *)slot->block + 64 * line);
-    }
-}
-
 static sph_status collapse(sph__builder *b, uint32_t u, uint32_t v, const sph__candidate *candidate, bool forced,
                            const sph__guess *guess)
 {
@@ -168,7 +140,7 @@ static sph_status collapse(sph__builder *b, uint32_t u, uint32_t v, const sph__c
     if (status == SPH_OK) status = sph__connectivity_collapse(&b->mesh, u, v, w);
     if (status != SPH_OK) return status;
     sph__edge_queue_forget(&b->queue, &b->mesh);
-    if (guess == NULL) prefetch_around(b, w);
+    if (guess == NULL) sph__prefetch_around(b, w);
     record_collapse(b, u, v, w, forced);
     status = sph__births_add(&b->births, &b->mesh, w);
     if (status == SPH_OK) status = push_around(b, w, guess);
@@ -255,6 +227,7 @@ static sph_status step(sph__builder *b)
     sph_status status = next_edge(b, &edge, &cost, &forced);
     if (status != SPH_OK) return status;
     sph__edge_ends(&b->mesh, edge, &u, &v);
+    sph__prefetch_collapse(b, u, v);
     guess = forced ? NULL : sph__guess_find(b, edge);
     if (guess == NULL || !sph__guess_sphere(b, guess, &inverts)) {
         guess = NULL;

@@ -11,6 +11,8 @@
 
 typedef struct sph__edge_queue {
     sph__heap open, refused;
+    uint8_t *touched; /* by node: an edge of it was refused since those around it last came back */
+    size_t touched_capacity;
 } sph__edge_queue;
 
 /* The ends of an edge, the older first. */

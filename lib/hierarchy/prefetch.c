@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Waiting for memory. Collapses jump about the mesh, and each of them reads some two hundred cache lines, that lead from one
+ * to the next: edge, nodes, their lists, neighbours, what is known of these. What the top of the queue leads to is asked for
+ * some collapses early, a step at each.
+ */
+#include "hierarchy/single.h"
+
+/* Entries of the queue: the next; its siblings, and their children. */
+enum { NEXT = 1, NEAR = 5, FAR = 21 };
+
+static void ask_for(const void *place)
+{
+    __builtin_prefetch(place);
+}
+
+static void ask_for_slot(const sph__builder *b, const sph__slot *slot)
+{
+    enum { LINES = 6 };
+    sph__prefetch_widths(b, slot);
+    if (b->single || slot->block == NULL) return;
+    for (size_t line = 0; line < LINES; ++line) ask_for((const char *)slot->block + 64 * line);
+}
+
+/* What is at a node's number. */
+static void ask_for_node(const sph__builder *b, uint32_t node)
+{
+    ask_for(&b->slot_of[node]);
+    ask_for(&b->mesh.node_edges.lists[node]);
+    ask_for(&b->mesh.node_triangles.lists[node]);
+    ask_for(sph__node_center(b, node));
+}
+
+/* What that leads to. */
+static void ask_for_lists(const sph__builder *b, uint32_t node)
+{
+    ask_for(sph__list_items(&b->mesh.node_edges, node));
+    ask_for(sph__list_items(&b->mesh.node_triangles, node));
+    ask_for(sph__slot_of(b, node));
+    if (b->single) ask_for(sph__single_rows(b, b->slot_of[node]));
+}
+
+static void ask_for_simplices(const sph__builder *b, uint32_t node)
+{
+    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
+    const uint32_t *triangles = sph__list_items(&b->mesh.node_triangles, node);
+    const uint32_t edge_count = sph__list_count(&b->mesh.node_edges, node);
+    const uint32_t triangle_count = sph__list_count(&b->mesh.node_triangles, node);
+    for (uint32_t i = 0; i < edge_count; ++i) {
+        ask_for(b->mesh.edges[edges[i]]);
+        sph__heap_prefetch_item(&b->queue.open, edges[i]);
+    }
+    for (uint32_t i = 0; i < triangle_count; ++i) ask_for(b->mesh.triangles[triangles[i]]);
+    ask_for_slot(b, sph__slot_of(b, node));
+}
+
+static void ask_for_neighbours(const sph__builder *b, uint32_t node)
+{
+    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
+    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
+        ask_for_node(b, x);
+        ask_for(&b->mesh.mark_stamps[x]);
+        ask_for(&b->candidates[edges[i]]);
+        sph__heap_prefetch_place(&b->queue.open, edges[i]);
+    }
+}
+
+void sph__prefetch_collapse(const sph__builder *b, uint32_t u, uint32_t v)
+{
+    const sph__heap_entry *top = b->queue.open.entries;
+    const size_t count = sph__heap_count(&b->queue.open);
+    for (size_t i = NEAR; i < FAR && i < count; ++i) {
+        ask_for(b->mesh.edges[top[i].item]);
+        ask_for(&b->candidates[top[i].item]);
+    }
+    for (size_t i = NEXT; i < NEAR && i < count; ++i)
+        for (unsigned k = 0; k < 2; ++k) ask_for_node(b, b->mesh.edges[top[i].item][k]);
+    for (size_t i = 0; i < NEXT && i < count; ++i)
+        for (unsigned k = 0; k < 2; ++k) ask_for_lists(b, b->mesh.edges[top[i].item][k]);
+    ask_for_simplices(b, u);
+    ask_for_simplices(b, v);
+    ask_for_neighbours(b, u);
+    ask_for_neighbours(b, v);
+}
+
+void sph__prefetch_around(const sph__builder *b, uint32_t node)
+{
+    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
+    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
+        const char *center = (const char *)sph__node_center(b, x);
+        ask_for(sph__slot_of(b, x));
+        ask_for(center);
+        ask_for(b->single ? (const char *)sph__single_rows(b, b->slot_of[x]) : center + 64);
+    }
+    for (uint32_t i = 0; i < count; ++i) ask_for_slot(b, sph__slot_of(b, sph__edge_other(&b->mesh, edges[i], node)));
+}
