@@ -206,6 +206,7 @@ double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const 
 /* What will be read soon is asked for, so that one wait serves for all of it: for the collapse of u and v, and of what is
  * next in the queue; for the edges of a new node. */
 void sph__prefetch_collapse(const sph__builder *b, uint32_t u, uint32_t v);
+void sph__prefetch_lists(const sph__builder *b, uint32_t node);
 void sph__prefetch_around(const sph__builder *b, uint32_t node);
 
 /* That from the sums. */

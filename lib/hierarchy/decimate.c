@@ -233,6 +233,8 @@ static sph_status step(sph__builder *b)
         guess = NULL;
         status = make_sphere(b, edge, u, v);
         if (status != SPH_OK) return status;
+        sph__prefetch_lists(b, u);
+        sph__prefetch_lists(b, v);
         inverts = !forced && sph__inverts(b, u, v, b->new_center);
     }
     if (inverts) return sph__edge_queue_refuse(&b->queue, &b->mesh, edge, cost);

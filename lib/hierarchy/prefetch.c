@@ -85,6 +85,19 @@ void sph__prefetch_collapse(const sph__builder *b, uint32_t u, uint32_t v)
     ask_for_neighbours(b, v);
 }
 
+/* The lists of neighbours, for what the collapse takes out of them. */
+void sph__prefetch_lists(const sph__builder *b, uint32_t node)
+{
+    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
+    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
+        ask_for(sph__list_items(&b->mesh.node_edges, x));
+        ask_for(sph__list_items(&b->mesh.node_triangles, x));
+        ask_for(sph__slot_of(b, x));
+    }
+}
+
 void sph__prefetch_around(const sph__builder *b, uint32_t node)
 {
     const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);

@@ -6,14 +6,9 @@
 /* Four children per node: half the depth of a binary heap. The first child of all begins a cache line, and so all do. */
 enum { ARITY = 4, LEAD = 3 };
 
-static uint64_t tie_of(const sph__heap *heap, uint32_t item)
-{
-    return (uint64_t)heap->items[item].ties[0] << 32 | heap->items[item].ties[1];
-}
-
 static bool comes_before_equal(const sph__heap *heap, const sph__heap_entry *a, const sph__heap_entry *b)
 {
-    const uint64_t a_tie = tie_of(heap, a->item), b_tie = tie_of(heap, b->item);
+    const uint64_t a_tie = heap->ties[a->item], b_tie = heap->ties[b->item];
     if (a->key != b->key) { /* a NaN on one side or both */
         const bool a_nan = isnan(a->key), b_nan = isnan(b->key);
         if (a_nan != b_nan) return b_nan;
@@ -32,7 +27,7 @@ static inline bool comes_before(const sph__heap *heap, const sph__heap_entry *a,
 static void put(sph__heap *heap, size_t place, sph__heap_entry entry)
 {
     heap->entries[place] = entry;
-    heap->items[entry.item].place = (uint32_t)place;
+    heap->places[entry.item] = (uint32_t)place;
 }
 
 static void sift_up(sph__heap *heap, size_t place, sph__heap_entry entry)
@@ -74,14 +69,12 @@ static void settle(sph__heap *heap, size_t place, sph__heap_entry entry)
 
 static sph_status reserve_items(sph__heap *heap, size_t count)
 {
-    const size_t before = heap->item_capacity;
-    void *memory = heap->items;
+    const size_t before = heap->place_capacity;
     if (count <= before) return SPH_OK;
-    if (!sph__reserve(heap->context, &memory, &heap->item_capacity, count, sizeof *heap->items))
+    if (!sph__reserve(heap->context, (void **)&heap->ties, &heap->tie_capacity, count, sizeof *heap->ties) ||
+        !sph__reserve(heap->context, (void **)&heap->places, &heap->place_capacity, count, sizeof *heap->places))
         return sph__fail_memory(heap->context);
-    heap->items = memory;
-    for (size_t i = before; i < heap->item_capacity; ++i)
-        heap->items[i].place = SPH__HEAP_ABSENT;
+    for (size_t i = before; i < heap->place_capacity; ++i) heap->places[i] = SPH__HEAP_ABSENT;
     return SPH_OK;
 }
 
@@ -105,14 +98,15 @@ void sph__heap_init(sph__heap *heap, sph_context *context)
 void sph__heap_free(sph__heap *heap)
 {
     sph__free(heap->context, heap->memory);
-    sph__free(heap->context, heap->items);
+    sph__free(heap->context, heap->places);
+    sph__free(heap->context, heap->ties);
     sph__heap_init(heap, heap->context);
 }
 
 void sph__heap_clear(sph__heap *heap)
 {
     for (size_t i = 0; i < heap->count; ++i)
-        heap->items[heap->entries[i].item].place = SPH__HEAP_ABSENT;
+        heap->places[heap->entries[i].item] = SPH__HEAP_ABSENT;
     heap->count = 0;
 }
 
@@ -125,19 +119,16 @@ sph_status sph__heap_reserve(sph__heap *heap, size_t item_count)
 sph_status sph__heap_set(sph__heap *heap, uint32_t item, double key, uint64_t tie)
 {
     const sph__heap_entry entry = {.key = key, .item = item};
-    const uint32_t high = (uint32_t)(tie >> 32), low = (uint32_t)tie;
     sph_status status;
     if (item == SPH__HEAP_ABSENT) return sph__fail(heap->context, SPH_E_LIMIT, "too many items in a queue");
     if (sph__heap_contains(heap, item)) {
-        heap->items[item].ties[0] = high;
-        heap->items[item].ties[1] = low;
-        settle(heap, heap->items[item].place, entry);
+        heap->ties[item] = tie;
+        settle(heap, heap->places[item], entry);
         return SPH_OK;
     }
     if ((status = reserve_items(heap, (size_t)item + 1)) != SPH_OK) return status;
     if ((status = reserve_entries(heap, heap->count + 1)) != SPH_OK) return status;
-    heap->items[item].ties[0] = high;
-    heap->items[item].ties[1] = low;
+    heap->ties[item] = tie;
     sift_up(heap, heap->count++, entry);
     return SPH_OK;
 }
@@ -147,8 +138,8 @@ bool sph__heap_remove(sph__heap *heap, uint32_t item)
     size_t place;
     sph__heap_entry last;
     if (!sph__heap_contains(heap, item)) return false;
-    place = heap->items[item].place;
-    heap->items[item].place = SPH__HEAP_ABSENT;
+    place = heap->places[item];
+    heap->places[item] = SPH__HEAP_ABSENT;
     last = heap->entries[--heap->count];
     if (place < heap->count) settle(heap, place, last);
     return true;
@@ -208,7 +199,7 @@ size_t sph__heap_first(const sph__heap *heap, uint32_t *items, size_t most)
 
 double sph__heap_key(const sph__heap *heap, uint32_t item)
 {
-    return sph__heap_contains(heap, item) ? heap->entries[heap->items[item].place].key : (double)NAN;
+    return sph__heap_contains(heap, item) ? heap->entries[heap->places[item]].key : (double)NAN;
 }
 
 size_t sph__heap_count(const sph__heap *heap)

@@ -15,11 +15,6 @@ typedef struct sph__heap_entry {
     uint32_t item;
 } sph__heap_entry;
 
-typedef struct sph__heap_item {
-    uint32_t place;   /* in `entries`, or SPH__HEAP_ABSENT */
-    uint32_t ties[2]; /* the tie: its high and its low half */
-} sph__heap_item;
-
 /*
  * Order: by key, equal keys by tie, equal ties by item; so what comes out never depends on what went in first.
  * -0 equals 0; a NaN key comes after all others, infinity included. Memory grows with the largest item ever seen.
@@ -28,8 +23,9 @@ typedef struct sph__heap {
     sph_context *context; /* borrowed: outlives the heap */
     sph__heap_entry *memory, *entries; /* entries begin within `memory` so that siblings share a cache line */
     size_t count, capacity;
-    sph__heap_item *items;
-    size_t item_capacity;
+    uint32_t *places; /* of an item in `entries`, or SPH__HEAP_ABSENT */
+    uint64_t *ties;   /* of items: read where keys are equal alone */
+    size_t place_capacity, tie_capacity;
 } sph__heap;
 
 #define SPH__HEAP_ABSENT UINT32_MAX
@@ -57,20 +53,20 @@ size_t sph__heap_first(const sph__heap *heap, uint32_t *items, size_t most);
 
 static inline bool sph__heap_contains(const sph__heap *heap, uint32_t item)
 {
-    return item < heap->item_capacity && heap->items[item].place != SPH__HEAP_ABSENT;
+    return item < heap->place_capacity && heap->places[item] != SPH__HEAP_ABSENT;
 }
 
 /* Asks for what a change of `item` will read: what is known of it, and once that is there, its place in the queue. */
 static inline void sph__heap_prefetch_item(const sph__heap *heap, uint32_t item)
 {
-    if (item < heap->item_capacity) __builtin_prefetch(&heap->items[item]);
+    if (item < heap->place_capacity) __builtin_prefetch(&heap->places[item], 1);
 }
 
 static inline void sph__heap_prefetch_place(const sph__heap *heap, uint32_t item)
 {
     size_t place;
     if (!sph__heap_contains(heap, item)) return;
-    place = heap->items[item].place;
+    place = heap->places[item];
     __builtin_prefetch(&heap->entries[place]);
     if (4 * place + 1 < heap->count) __builtin_prefetch(&heap->entries[4 * place + 1]);
 }

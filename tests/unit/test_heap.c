@@ -203,7 +203,7 @@ static sph_status fill(sph_context *fallible, bool reserve)
     for (; status == SPH_OK && inserted < 500; ++inserted) {
         status = sph__heap_set(&heap, inserted, -(double)inserted, 0);
         if (status != SPH_OK) break;
-        ck_assert(!reserve || heap.item_capacity == 500);
+        ck_assert(!reserve || heap.place_capacity == 500);
     }
     ck_assert_uint_eq(sph__heap_count(&heap), inserted);
     for (uint32_t i = inserted; i > 0; --i) {
