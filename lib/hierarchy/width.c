@@ -103,16 +103,43 @@ void sph__unite_widths(const sph__builder *b, sph__slot *u, const sph__slot *v, 
 
 /* --- leaves --- */
 
-/* Widens the intervals of all directions by a point. */
-SPH__CLONES static void widen_probes(const sph__builder *b, const double x[3], double *low, double *high)
+/* Points whose extents are taken in one pass over the directions. */
+enum { POINTS = 32 };
+
+typedef struct point_list {
+    const sph__builder *b;
+    double *low, *high; /* of all directions */
+    double points[POINTS][3];
+    size_t count;
+} point_list;
+
+/* Widens the intervals by the points. */
+SPH__CLONES static void widen_probes(const point_list *list)
 {
-    for (size_t j = 0; j < b->direction_stride; j += SPH__LANES) {
-        const double *row = b->direction_rows + j;
-        const sph__v8d along = *(const sph__v8d *)row * x[0] + *(const sph__v8d *)(row + b->direction_stride) * x[1] +
-                               *(const sph__v8d *)(row + 2 * b->direction_stride) * x[2];
-        sph__smaller(&along, (sph__v8d *)(low + j));
-        sph__larger(&along, (sph__v8d *)(high + j));
+    const size_t ds = list->b->direction_stride;
+    for (size_t j = 0; j < ds; j += SPH__LANES) {
+        const double *row = list->b->direction_rows + j;
+        const sph__v8d k0 = *(const sph__v8d *)row, k1 = *(const sph__v8d *)(row + ds);
+        const sph__v8d k2 = *(const sph__v8d *)(row + 2 * ds);
+        sph__v8d low = *(const sph__v8d *)(list->low + j), high = *(const sph__v8d *)(list->high + j);
+        for (size_t p = 0; p < list->count; ++p) {
+            const double *x = list->points[p];
+            const sph__v8d along = k0 * x[0] + k1 * x[1] + k2 * x[2];
+            sph__smaller(&along, &low);
+            sph__larger(&along, &high);
+        }
+        *(sph__v8d *)(list->low + j) = low;
+        *(sph__v8d *)(list->high + j) = high;
     }
+}
+
+static double *next_point(point_list *list)
+{
+    if (list->count == POINTS) {
+        widen_probes(list);
+        list->count = 0;
+    }
+    return list->points[list->count++];
 }
 
 static void load_point(const sph__builder *b, uint32_t v, uint32_t frame, double x[3])
@@ -121,25 +148,30 @@ static void load_point(const sph__builder *b, uint32_t v, uint32_t frame, double
     for (size_t k = 0; k < 3; ++k) x[k] = p[k * b->stride];
 }
 
+static void add_middle(point_list *list, const double p[3], const double x[3])
+{
+    double *middle = next_point(list);
+    for (unsigned k = 0; k < 3; ++k) middle[k] = 0.5 * (p[k] + x[k]);
+}
+
+/* A cell's point in triangles: where they close around the vertex, each edge is met twice, and taken once. */
 static void probe_leaf(const sph__builder *b, uint32_t v, uint32_t frame, double *low, double *high)
 {
+    point_list list = {.b = b, .low = low, .high = high};
     double p[3];
     load_point(b, v, frame, p);
-    widen_probes(b, p, low, high);
+    memcpy(next_point(&list), p, sizeof p);
     for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
         const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[i];
-        double sum[3] = {0, 0, 0}, x[3], middle[3];
-        for (unsigned c = 0; c < 3; ++c) {
-            load_point(b, corner[c], frame, x);
-            for (unsigned k = 0; k < 3; ++k) {
-                middle[k] = 0.5 * (p[k] + x[k]);
-                sum[k] += x[k];
-            }
-            if (corner[c] != v) widen_probes(b, middle, low, high);
-        }
-        for (unsigned k = 0; k < 3; ++k) sum[k] *= 1.0 / 3.0;
-        widen_probes(b, sum, low, high);
+        const unsigned own = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
+        double x[3][3], *middle;
+        for (unsigned c = 0; c < 3; ++c) load_point(b, corner[c], frame, x[c]);
+        add_middle(&list, p, x[(own + 1) % 3]);
+        if (b->cell_open[v]) add_middle(&list, p, x[(own + 2) % 3]);
+        middle = next_point(&list);
+        for (unsigned k = 0; k < 3; ++k) middle[k] = (x[0][k] + x[1][k] + x[2][k]) * (1.0 / 3.0);
     }
+    widen_probes(&list);
 }
 
 /* All probes of leaf v. */
