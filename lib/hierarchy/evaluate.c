@@ -5,7 +5,8 @@
 #include "hierarchy/build.h"
 #include "quadric/minimizer.h"
 
-sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double radius_max)
+/* Frames without a centre of their own, or nothing that fixes the radius. */
+static sph__minimum minimize_box(const sph__sums *sums, double u_radius, double radius_max)
 {
     /* g in the radius itself; the sums are in its difference from that of u. */
     const double w2 = sums->w - sums->nn, beta = sums->b - sums->nb;
@@ -24,19 +25,36 @@ sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double r
     return (sph__minimum){.lambda = found.lambda, .radius = found.radius, .cost = cost > 0 ? cost : 0};
 }
 
+/* All others, which are nearly all, come down to a parabola. */
+static inline sph__minimum minimize(const sph__sums *sums, double u_radius, double radius_max)
+{
+    const double w2 = sums->w - sums->nn, beta = sums->b - sums->nb, beta3 = beta + w2 * u_radius;
+    double radius, cost;
+    if (sums->degenerate != 0 || !(w2 > SPH__NOISE_FLOAT * sums->w)) return minimize_box(sums, u_radius, radius_max);
+    radius = sph__line_minimum(w2, beta3, radius_max);
+    cost = radius * (0.5 * w2 * radius - beta3) +
+           (sums->c - 0.5 * sums->bb + u_radius * (0.5 * w2 * u_radius + beta));
+    return (sph__minimum){.radius = radius, .cost = cost > 0 ? cost : 0};
+}
+
+sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double radius_max)
+{
+    return minimize(sums, u_radius, radius_max);
+}
+
 double sph__evaluate_sums(const sph__builder *b, const sph__sums *sums, double u_radius, const sph__slot *su,
                           const sph__slot *sv, sph__candidate *candidate)
 {
     sph__minimum minimum;
     *candidate = (sph__candidate){.exact = 1};
     if (b->options.radius_mode == SPH_RADIUS_ZERO) {
-        minimum = sph__sums_minimize(sums, u_radius, 0);
+        minimum = minimize(sums, u_radius, 0);
     } else {
         const double lower = b->radius_factor * (su->width > sv->width ? su->width : sv->width);
-        minimum = sph__sums_minimize(sums, u_radius, (double)INFINITY);
+        minimum = minimize(sums, u_radius, (double)INFINITY);
         if (minimum.radius > lower) {
             const double upper = sph__union_width_bound(b, su, sv);
-            minimum = sph__sums_minimize(sums, u_radius, b->radius_factor * upper);
+            minimum = minimize(sums, u_radius, b->radius_factor * upper);
             candidate->exact = b->probe_frames == b->frames; /* then the bound is the width */
             candidate->width = candidate->exact ? upper : 0;
         }
@@ -82,7 +100,7 @@ sph_status sph__evaluate_exactly(const sph__builder *b, sph__extents *extents, u
     sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
     status = sph__union_width(b, extents, sph__slot_of(b, nu), sph__slot_of(b, nv), &candidate->width);
     if (status != SPH_OK) return status;
-    minimum = sph__sums_minimize(&sums, u.radius, b->radius_factor * candidate->width);
+    minimum = minimize(&sums, u.radius, b->radius_factor * candidate->width);
     candidate->exact = 1;
     candidate->lambda = minimum.lambda;
     candidate->radius = minimum.radius;

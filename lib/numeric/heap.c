@@ -49,6 +49,8 @@ static void sift_down(sph__heap *heap, size_t place, sph__heap_entry entry)
         const size_t first = place * ARITY + 1;
         const size_t end = heap->count - first < ARITY ? heap->count : first + ARITY;
         size_t best = first;
+        if ((first + ARITY) * ARITY < heap->count) /* all their children, as one of them is next */
+            for (size_t i = 0; i < ARITY; ++i) __builtin_prefetch(&heap->entries[(first + i) * ARITY + 1]);
         for (size_t child = first + 1; child < end; ++child)
             if (comes_before(heap, &heap->entries[child], &heap->entries[best])) best = child;
         if (!comes_before(heap, &heap->entries[best], &entry)) break;

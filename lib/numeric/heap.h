@@ -68,6 +68,7 @@ static inline void sph__heap_prefetch_place(const sph__heap *heap, uint32_t item
     if (!sph__heap_contains(heap, item)) return;
     place = heap->places[item];
     __builtin_prefetch(&heap->entries[place]);
+    if (place > 0) __builtin_prefetch(&heap->entries[(place - 1) / 4]);
     if (4 * place + 1 < heap->count) __builtin_prefetch(&heap->entries[4 * place + 1]);
 }
 

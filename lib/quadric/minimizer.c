@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "quadric/minimizer.h"
 
-#include <math.h>
 #include <stddef.h>
 
 #include "numeric/numeric.h"
@@ -25,16 +24,6 @@ static double noise_at(const sph__box *box, const sph__box_minimum *at)
            (box->mu_scale * at->lambda * at->lambda + box->w2_scale * at->radius * at->radius + box->cost_scale);
 }
 
-/* Where 1/2 a x^2 - s x is least on [0, end]; never NaN, and finite also where `end` is not. */
-static double line_minimum(double a, double s, double end)
-{
-    double x;
-    if (!(s > 0.0)) return 0.0;
-    x = a > 0.0 ? s / a : end;
-    if (!(x <= end)) x = end;
-    return isfinite(x) ? x : 0.0;
-}
-
 /* `candidate`, if it is better than `preferred` by more than rounding explains. */
 static sph__box_minimum clearly_better(const sph__box *box, sph__box_minimum preferred, sph__box_minimum candidate)
 {
@@ -44,14 +33,14 @@ static sph__box_minimum clearly_better(const sph__box *box, sph__box_minimum pre
 /* The side on which lambda is fixed. */
 static sph__box_minimum best_radius(const sph__box *box, double lambda, double radius_max, bool w2_vanishes)
 {
-    const sph__box_minimum best = point(box, lambda, line_minimum(box->w2, box->beta3 - lambda * box->nu, radius_max));
+    const sph__box_minimum best = point(box, lambda, sph__line_minimum(box->w2, box->beta3 - lambda * box->nu, radius_max));
     return w2_vanishes ? clearly_better(box, point(box, lambda, 0.0), best) : best;
 }
 
 /* The side on which r is fixed. */
 static sph__box_minimum best_lambda(const sph__box *box, double r, bool mu_vanishes)
 {
-    const sph__box_minimum best = point(box, line_minimum(box->mu, box->beta1 - box->nu * r, 1.0), r);
+    const sph__box_minimum best = point(box, sph__line_minimum(box->mu, box->beta1 - box->nu * r, 1.0), r);
     return mu_vanishes ? clearly_better(box, point(box, 0.5, r), best) : best;
 }
 

@@ -3,6 +3,7 @@
 #ifndef SPH_QUADRIC_MINIMIZER_H
 #define SPH_QUADRIC_MINIMIZER_H
 
+#include <math.h>
 #include <stdbool.h>
 
 /*
@@ -47,6 +48,16 @@ typedef struct sph__box_minimum {
  * lambda makes no difference it is 1/2. Whatever the input, the result is in the box.
  */
 sph__box_minimum sph__box_minimize(const sph__box *box, bool any_degenerate, double radius_max);
+
+/* Where 1/2 a x^2 - s x is least on [0, end]; never NaN, and finite also where `end` is not. */
+static inline double sph__line_minimum(double a, double s, double end)
+{
+    double x;
+    if (!(s > 0.0)) return 0.0;
+    x = a > 0.0 ? s / a : end;
+    if (!(x <= end)) x = end;
+    return isfinite(x) ? x : 0.0;
+}
 
 /* M as 00 01 02 11 12 22. A matrix that is zero, or not finite, is degenerate. */
 bool sph__is_degenerate(const double m[6]);
