@@ -52,6 +52,24 @@ SPH_API sph_status sph_animation_create(sph_context *context, uint32_t vertex_co
 SPH_API sph_status sph_animation_create_from_source(sph_context *context, uint32_t vertex_count, uint32_t frame_count,
                                                     const sph_frame_source *source, sph_animation **out);
 
+/**
+ * @brief Makes an animation on positions that the caller keeps: nothing is copied. For hosts that have all frames in memory.
+ * @param[in] positions     x of vertex 0 in frame 0, aligned as a float; vertex i of frame f starts
+ *                          `f * frame_stride + i * stride` bytes later. Borrowed until the animation is destroyed: it must
+ *                          stay, and must not change during a call that reads it.
+ * @param[in] stride        bytes from one vertex to the next, at least 12 and a multiple of 4; 0 means 12. With 12 no frame is
+ *                          ever copied; with more, the frame that is read is.
+ * @param[in] frame_stride  bytes from one frame to the next, a multiple of 4; 0 means n * stride. It may be smaller than a
+ *                          frame: frames may overlap.
+ * @retval SPH_E_INVALID  as sph_animation_create(); also NULL or misaligned positions, or a stride out of range.
+ * @retval SPH_E_NOMEM    out of memory, which means that of the handle.
+ * @par Thread safety  The functions that take a `const` animation, from any number of threads.
+ * @since 0.1
+ */
+SPH_API sph_status sph_animation_create_from_positions(sph_context *context, uint32_t vertex_count, uint32_t frame_count,
+                                                       const float *positions, size_t stride, size_t frame_stride,
+                                                       sph_animation **out);
+
 /** @brief Destroys an animation. NULL is fine. Handles made from it do not need it any more. @since 0.1 */
 SPH_API void sph_animation_destroy(sph_animation *animation);
 
@@ -62,7 +80,7 @@ SPH_API void sph_animation_destroy(sph_animation *animation);
  * @param[in] stride  bytes from one vertex to the next, at least 12; 0 means 12 (tight).
  * @retval SPH_E_INVALID  NULL, or `frame` or `stride` out of range. Values are not checked here but by
  *                        sph_animation_check() and by every call that uses them.
- * @retval SPH_E_STATE    the animation pulls its frames from a source.
+ * @retval SPH_E_STATE    the animation pulls its frames from a source, or stands on positions of the caller's.
  * @since 0.1
  */
 SPH_API sph_status sph_animation_set_frame(sph_animation *animation, uint32_t frame, const float *xyz, size_t stride);

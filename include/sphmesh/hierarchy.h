@@ -110,6 +110,16 @@ SPH_API uint32_t sph_hierarchy_first_forced(const sph_hierarchy *hierarchy);
 SPH_API sph_status sph_hierarchy_collapse(const sph_hierarchy *hierarchy, uint32_t index, sph_collapse *collapse);
 
 /**
+ * @brief Tells of many collapses at once: of `count` of them, from `first` on.
+ * @param[out] collapses  `count` entries; untouched on failure; may be NULL where `count` is 0.
+ * @retval SPH_E_INVALID  NULL, or `first + count` is above the collapse count.
+ * @par Cost  O(count).
+ * @since 0.1
+ */
+SPH_API sph_status sph_hierarchy_read_collapses(const sph_hierarchy *hierarchy, uint32_t first, uint32_t count,
+                                                sph_collapse *collapses);
+
+/**
  * @brief Sphere of a node, all frames.
  * @param[in]  node     below n + C.
  * @param[out] centers  shape (F, 3), model units; may be NULL.

@@ -4,7 +4,7 @@
 
 #include "animation/animation.h"
 
-enum { COUNT_LIMIT = 0x7fffffff };
+enum { COUNT_LIMIT = 0x7fffffff, VERTEX_SIZE = 3 * sizeof(float) };
 
 static void release_source(const sph_frame_source *source)
 {
@@ -85,9 +85,48 @@ static bool resolve_stride(size_t *stride, size_t least, size_t count)
     return *stride >= least && (count == 0 || (sph__multiply_size(count - 1, *stride, &span) && span <= PTRDIFF_MAX));
 }
 
+static void gather(float *to, const char *from, uint32_t n, size_t stride)
+{
+    if (stride == VERTEX_SIZE)
+        memcpy(to, from, (size_t)n * VERTEX_SIZE);
+    else
+        for (uint32_t i = 0; i < n; ++i)
+            memcpy(to + 3 * (size_t)i, from + i * stride, VERTEX_SIZE);
+}
+
+/* Whether the last vertex of the last frame is within what can be addressed; fills in strides that were left to us. */
+static bool resolve_borrowed(const float *positions, uint32_t n, uint32_t frames, size_t *stride, size_t *frame_stride)
+{
+    size_t last;
+    if ((uintptr_t)positions % sizeof(float) != 0 || !resolve_stride(stride, VERTEX_SIZE, n)) return false;
+    if (*frame_stride == 0 && !sph__multiply_size(n, *stride, frame_stride)) return false;
+    return *stride % sizeof(float) == 0 && *frame_stride % sizeof(float) == 0 &&
+           sph__multiply_size(frames - (size_t)1, *frame_stride, &last) &&
+           last <= PTRDIFF_MAX - (n - (size_t)1) * *stride;
+}
+
+sph_status sph_animation_create_from_positions(sph_context *context, uint32_t vertex_count, uint32_t frame_count,
+                                               const float *positions, size_t stride, size_t frame_stride,
+                                               sph_animation **out)
+{
+    const sph_status status = create_empty(context, vertex_count, frame_count, out);
+    if (status != SPH_OK) return status;
+    if (positions != NULL && resolve_borrowed(positions, vertex_count, frame_count, &stride, &frame_stride)) {
+        (*out)->borrowed = (const char *)positions;
+        (*out)->stride = stride;
+        (*out)->frame_stride = frame_stride;
+        return SPH_OK;
+    }
+    sph_animation_destroy(*out);
+    *out = NULL;
+    if (positions == NULL) return sph__fail(context, SPH_E_INVALID, "animation: positions are NULL");
+    return sph__fail(context, SPH_E_INVALID,
+                     "animation: positions are not aligned, or strides of %zu and %zu bytes are out of range", stride,
+                     frame_stride);
+}
+
 sph_status sph_animation_set_frame(sph_animation *animation, uint32_t frame, const float *xyz, size_t stride)
 {
-    enum { TIGHT = 3 * sizeof(float) };
     float *to;
     uint32_t n;
     if (animation == NULL) return SPH_E_INVALID;
@@ -96,18 +135,14 @@ sph_status sph_animation_set_frame(sph_animation *animation, uint32_t frame, con
     if (frame >= animation->frame_count)
         return sph__fail(animation->context, SPH_E_INVALID, "frame %u is not below %u", (unsigned)frame,
                          (unsigned)animation->frame_count);
-    if (!resolve_stride(&stride, TIGHT, n))
+    if (!resolve_stride(&stride, VERTEX_SIZE, n))
         return sph__fail(animation->context, SPH_E_INVALID, "frame %u: a stride of %zu bytes is out of range",
                          (unsigned)frame, stride);
     if (animation->positions == NULL)
-        return sph__fail(animation->context, SPH_E_STATE, "frame %u: the animation pulls its frames from a source",
+        return sph__fail(animation->context, SPH_E_STATE, "frame %u: the animation does not hold its frames",
                          (unsigned)frame);
     to = animation->positions + (size_t)frame * n * 3;
-    if (stride == TIGHT)
-        memcpy(to, xyz, (size_t)n * TIGHT);
-    else
-        for (uint32_t i = 0; i < n; ++i)
-            memcpy(to + 3 * (size_t)i, (const char *)xyz + i * stride, TIGHT);
+    gather(to, (const char *)xyz, n, stride);
     return SPH_OK;
 }
 
@@ -192,7 +227,8 @@ const uint32_t *sph_animation_edges(const sph_animation *animation)
 sph_status sph__animation_scratch(const sph_animation *animation, float **scratch)
 {
     *scratch = NULL;
-    if (animation->positions != NULL) return SPH_OK;
+    if (animation->positions != NULL || (animation->borrowed != NULL && animation->stride == VERTEX_SIZE))
+        return SPH_OK;
     *scratch = sph__alloc(animation->context, animation->vertex_count, 3 * sizeof(float));
     return *scratch != NULL ? SPH_OK : sph__fail_memory(animation->context);
 }
@@ -206,6 +242,14 @@ sph_status sph__animation_frame(const sph_animation *animation, uint32_t frame, 
         return SPH_OK;
     }
     *xyz = scratch;
+    if (animation->borrowed != NULL) {
+        const char *first = animation->borrowed + frame * animation->frame_stride;
+        if (animation->stride == VERTEX_SIZE)
+            *xyz = (const float *)(const void *)first;
+        else
+            gather(scratch, first, animation->vertex_count, animation->stride);
+        return SPH_OK;
+    }
     stamp = sph__message_stamp(animation->context);
     status = animation->source.read_frame(animation->source.user, frame, scratch);
     /* A source that explains itself is not talked over. */

@@ -14,7 +14,9 @@ enum { SPH__SIMPLEX_LIMIT = 0x7fffffff };
 struct sph_animation {
     sph_context *context; /* retained */
     uint32_t vertex_count, frame_count;
-    float *positions; /* frame-major [F][n][3]; NULL with a source */
+    float *positions; /* frame-major [F][n][3]; NULL with a source, and where they are the caller's */
+    const char *borrowed; /* the caller's, by its strides in bytes; else NULL */
+    size_t stride, frame_stride;
     sph_frame_source source;
     uint32_t *triangles; /* NULL where there are none */
     size_t triangle_count;
@@ -24,7 +26,7 @@ struct sph_animation {
 
 /*
  * Memory for one frame, 3 n floats, where the animation pulls its frames; NULL, which suits sph__animation_frame, where
- * it holds them. Give it back with sph__free.
+ * it holds them, or the caller does, one after another. Give it back with sph__free.
  */
 sph_status sph__animation_scratch(const sph_animation *animation, float **scratch);
 

@@ -243,17 +243,32 @@ uint32_t sph_hierarchy_first_forced(const sph_hierarchy *h)
     return h == NULL ? 0 : h->first_forced;
 }
 
+static sph_collapse collapse_at(const sph_hierarchy *h, uint32_t index)
+{
+    return (sph_collapse){.u = h->children[2 * (size_t)index],
+                          .v = h->children[2 * (size_t)index + 1],
+                          .node = h->vertex_count + index,
+                          .forced = h->forced[index],
+                          .cost = h->costs[index],
+                          .error = h->errors[index]};
+}
+
 sph_status sph_hierarchy_collapse(const sph_hierarchy *h, uint32_t index, sph_collapse *collapse)
 {
     if (h == NULL || collapse == NULL) return SPH_E_INVALID;
     if (index >= h->collapse_count)
         return sph__fail(h->context, SPH_E_INVALID, "collapse %u of %u", index, h->collapse_count);
-    *collapse = (sph_collapse){.u = h->children[2 * (size_t)index],
-                               .v = h->children[2 * (size_t)index + 1],
-                               .node = h->vertex_count + index,
-                               .forced = h->forced[index],
-                               .cost = h->costs[index],
-                               .error = h->errors[index]};
+    *collapse = collapse_at(h, index);
+    return SPH_OK;
+}
+
+sph_status sph_hierarchy_read_collapses(const sph_hierarchy *h, uint32_t first, uint32_t count, sph_collapse *collapses)
+{
+    if (h == NULL) return SPH_E_INVALID;
+    if (collapses == NULL && count > 0) return sph__fail(h->context, SPH_E_INVALID, "collapses: NULL");
+    if (first > h->collapse_count || count > h->collapse_count - first)
+        return sph__fail(h->context, SPH_E_INVALID, "%u collapses from %u on, of %u", count, first, h->collapse_count);
+    for (uint32_t i = 0; i < count; ++i) collapses[i] = collapse_at(h, first + i);
     return SPH_OK;
 }
 
