@@ -135,6 +135,12 @@ consumer_of_cmake() {
     (cd "$work/walk" && LD_LIBRARY_PATH=$stage/usr/lib "$out/consumer")
 }
 
+# The Python package, with nothing but the loader's own search.
+python_finds() {
+    LD_LIBRARY_PATH=$work/stage-shared/usr/lib PYTHONPATH=examples/ffi/python PYTHONDONTWRITEBYTECODE=1 python3 -c \
+        'import sphmesh; sphmesh.Level([[0, 0, 0]], [1]).save("'"$work"'/one.json"); print(sphmesh.library_version())'
+}
+
 # An animation to try things on: walk.obj and walk.pc2, in a folder of their own.
 make_walk() {
     rm -rf "$work/walk"
@@ -213,13 +219,13 @@ fi
 
 if wanted clang; then
     say "clang"
-    CC=clang CXX=clang++ build clang && run clang --no-suite interrupt --no-suite long --no-suite docs
+    CC=clang CXX=clang++ build clang && run clang --no-suite interrupt --no-suite long --no-suite docs --no-suite ffi
 fi
 
 if wanted portable; then
     say "portable: without vector kernels, release optimisation, assertions of the tests on"
     build portable -Dsimd=disabled -Doptimization=3 -Dbenches=disabled &&
-        run portable --no-suite io --no-suite cli --no-suite long --no-suite docs
+        run portable --no-suite io --no-suite cli --no-suite long --no-suite docs --no-suite ffi
 fi
 
 if wanted gcc; then
@@ -266,6 +272,7 @@ if wanted install; then
             [ $kind = shared ] && check "all examples build and run with the installed libraries" examples $kind
             check "the program of README.md runs ($kind)" consumer $kind "$work/readme.c" sphmesh-io
             check "CMake finds the $kind libraries" consumer_of_cmake $kind
+            [ $kind = static ] || check "the Python package finds the shared libraries" python_finds
             check "a C++ program finds the $kind core" consumer $kind tests/install/consumer.cpp sphmesh
         done
     fi

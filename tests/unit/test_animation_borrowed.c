@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "runner.h"
 #include "support.h"
 
 enum { FRAMES = 3, PADDING = 5 };
@@ -86,23 +87,25 @@ END_TEST
 
 START_TEST(positions_that_cannot_be_are_refused)
 {
-    static const size_t STRIDES[][2] = {{11, 0},           {4, 0},           {14, 0}, {12, 30}, {SIZE_MAX - 3, 0},
-                                        {0, SIZE_MAX - 3}, {0, SIZE_MAX / 2}};
-    const float *odd;
+    static const size_t STRIDES[][2] = {{11, 0}, {4, 0}, {14, 0}, {12, 30}, {SIZE_MAX - 3, 0}, {0, SIZE_MAX - 3},
+                                        {0, SIZE_MAX / 2}};
+    const uint32_t counts[][2] = {{0, 2}, {2, 0}, {UINT32_MAX, 2}};
     float xyz[12] = {0};
+    const float *odd = (const float *)(const void *)((const char *)xyz + 2);
     sph_animation *animation = (sph_animation *)&xyz;
     for (size_t i = 0; i < sizeof STRIDES / sizeof STRIDES[0]; ++i) {
-        ck_assert_int_eq(
-            sph_animation_create_from_positions(context, 2, 2, xyz, STRIDES[i][0], STRIDES[i][1], &animation),
-            SPH_E_INVALID);
+        const sph_status status = sph_animation_create_from_positions(context, 2, 2, xyz, STRIDES[i][0], STRIDES[i][1],
+                                                                      &animation);
+        ck_assert_int_eq(status, SPH_E_INVALID);
         ck_assert_ptr_null(animation);
         ck_assert_ptr_nonnull(strstr(sph_context_last_message(context), "strides"));
     }
+    for (size_t i = 0; i < 3; ++i)
+        ck_assert_int_eq(
+            sph_animation_create_from_positions(context, counts[i][0], counts[i][1], xyz, 0, 0, &animation),
+            SPH_E_INVALID);
     ck_assert_int_eq(sph_animation_create_from_positions(context, 2, 2, NULL, 0, 0, &animation), SPH_E_INVALID);
-    ck_assert_int_eq(
-        sph_animation_create_from_positions(context, 1, 1, (float *)(void *)((char *)xyz + 2), 0, 0, &animation),
-        SPH_E_INVALID);
-    ck_assert_int_eq(sph_animation_create_from_positions(context, 0, 2, xyz, 0, 0, &animation), SPH_E_INVALID);
+    ck_assert_int_eq(sph_animation_create_from_positions(context, 1, 1, odd, 0, 0, &animation), SPH_E_INVALID);
     ck_assert_int_eq(sph_animation_create_from_positions(NULL, 2, 2, xyz, 0, 0, &animation), SPH_E_INVALID);
     ck_assert_int_eq(sph_animation_create_from_positions(context, 2, 2, xyz, 0, 0, NULL), SPH_E_INVALID);
 }
@@ -139,16 +142,9 @@ int main(void)
 {
     Suite *suite = suite_create("borrowed");
     TCase *tc = tcase_create("whole arrays");
-    SRunner *runner;
-    int failed;
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_loop_test(tc, borrowed_frames_are_those_that_the_caller_has, 0, 4);
     tcase_add_test(tc, positions_that_cannot_be_are_refused);
     tcase_add_test(tc, collapses_come_all_at_once_or_in_parts);
-    suite_add_tcase(suite, tc);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return run_suite(suite, tc);
 }

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: MIT
+"""The declarations are the headers', and everything that is public is explained and typed."""
+import inspect
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+import sphmesh
+from sphmesh import _abi, _library
+
+PACKAGE = pathlib.Path(sphmesh.__file__).parent
+FFI = PACKAGE.parent.parent
+INCLUDE = FFI.parent.parent / "include"
+WRITER = FFI / "declarations.py"
+
+
+def written(kind):
+    pytest.importorskip("pycparser")
+    return subprocess.run([sys.executable, WRITER, kind, INCLUDE], check=True, capture_output=True, text=True).stdout
+
+
+@pytest.mark.parametrize("kind, file", [("python", PACKAGE / "_abi.py"), ("lua", FFI / "lua/sphmesh/declarations.lua")])
+def test_declarations_are_those_of_the_headers(kind, file):
+    assert file.read_text() == written(kind), "the headers have changed: run `ninja ffi-declarations`"
+
+
+def test_structs_and_constants_are_what_the_c_compiler_makes_of_them(tmp_path):
+    source, program = tmp_path / "layout.c", tmp_path / "layout"
+    source.write_text(written("layout"))
+    compiler = os.environ.get("CC", "cc").split()
+    subprocess.run([*compiler, "-I", INCLUDE, "-o", program, source], check=True)
+    told = dict(line.split(" ", 1) for line in subprocess.check_output([program], text=True).splitlines())
+    structs = {struct.__name__: struct for struct in _abi.STRUCTS}
+    for name, expected in told.items():
+        struct, _, field = name.partition(".")
+        if field:
+            found = getattr(structs[struct], field)
+            assert (name, f"{found.offset} {found.size}") == (name, expected)
+        elif name in structs:
+            assert (name, _abi.c.sizeof(structs[name])) == (name, int(expected))
+        else:
+            assert (name, float(getattr(_abi, name))) == (name, float(expected))
+    fields = sum(len(struct._fields_) for struct in _abi.STRUCTS)
+    constants = sum(name.startswith("SPH_") for name in vars(_abi))
+    assert len(told) == len(structs) + fields + constants
+
+
+def test_every_function_of_the_headers_is_declared_and_in_the_libraries():
+    text = "".join(re.sub(r"/\*.*?\*/", "", h.read_text(), flags=re.S) for h in (INCLUDE / "sphmesh").glob("*.h"))
+    declared = set(re.findall(r"SPH_API[^;(]*?\b(sph_\w+)\s*\(", text))
+    assert declared == set(_abi.PROTOTYPES)
+    for name in declared:
+        assert callable(getattr(sphmesh.lib, name))
+
+
+def test_everything_public_has_a_docstring():
+    for name in sphmesh.__all__:
+        thing = getattr(sphmesh, name)
+        if inspect.isclass(thing) or inspect.isfunction(thing):
+            assert thing.__doc__, name
+        for member, value in vars(thing).items() if inspect.isclass(thing) else ():
+            if not member.startswith("_") and (inspect.isfunction(value) or isinstance(value, property)):
+                assert value.__doc__, f"{name}.{member}"
+
+
+@pytest.mark.skipif(shutil.which("mypy") is None, reason="mypy is not installed")
+def test_types_satisfy_mypy():
+    done = subprocess.run(["mypy", "--strict", "--cache-dir=/dev/null", PACKAGE], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_the_first_lines_of_the_readme_work(tmp_path):
+    code = re.search(r"```python\n(.*?)```", (PACKAGE.parent / "README.md").read_text(), flags=re.S)[1]
+    assert len(code.splitlines()) <= 10
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True,
+                   env={**os.environ, "PYTHONPATH": str(PACKAGE.parent)})
+    assert (tmp_path / "level.json").exists()
+
+
+def test_a_library_that_is_not_there_is_told_with_every_place(monkeypatch):
+    monkeypatch.setenv(_library.PATH_VARIABLE, "/nowhere")
+    with pytest.raises(ImportError, match="/nowhere/libsphmesh.so.0"):
+        _library.load("sphmesh")
+
+
+@pytest.mark.skipif(shutil.which("pkg-config") is None, reason="pkg-config is not installed")
+def test_installed_libraries_are_found_through_pkg_config(tmp_path):
+    libraries = os.environ.get(_library.PATH_VARIABLE)
+    if not libraries:
+        pytest.skip("the libraries are installed where the loader finds them")
+    for name in ("sphmesh", "sphmesh-io"):
+        file = _library.file_name(name)
+        place = next(p for p in _library.candidates(name) if os.path.exists(p))
+        (tmp_path / file).symlink_to(os.path.abspath(place))
+    (tmp_path / "sphmesh.pc").write_text(f"libdir={tmp_path}\nName: sphmesh\nDescription: x\nVersion: 0\n")
+    environment = {**os.environ, "PKG_CONFIG_PATH": str(tmp_path)}
+    del environment[_library.PATH_VARIABLE]
+    code = "import sphmesh; sphmesh.Level([[0, 0, 0]], [1]).save('one.json'); print(sphmesh.library_version())"
+    told = subprocess.check_output([sys.executable, "-c", code], cwd=tmp_path, env=environment, text=True)
+    assert int(told) == _abi.SPH_VERSION
+
+
+def test_a_function_that_the_library_lacks_is_named(monkeypatch):
+    monkeypatch.setitem(_abi.PROTOTYPES, "sph_of_tomorrow", (None, []))
+    with pytest.raises(NotImplementedError, match="sph_of_tomorrow"):
+        _library.Library().sph_of_tomorrow
+
+
+def test_the_version_is_that_of_the_headers():
+    assert sphmesh.library_version() == _abi.SPH_VERSION
