@@ -16,7 +16,7 @@ test_packages=(
     libcgal-dev           # the oracle of distances to meshes
     libeigen3-dev libbullet-dev libembree-dev # what the benches compare with, besides
     abigail-tools cmake   # the binary interface, and a user of CMake
-    python3-pytest python3-numpy python3-pycparser mypy # examples/ffi/python
+    python3-pytest python3-numpy python3-pycparser mypy luajit # examples/ffi
     python3 python3-yaml  # the tests of the program, and scripts/*.py
     doxygen               # the headers' documentation
 )

@@ -480,6 +480,59 @@ typedef struct sph_gap
 } sph_gap;
 sph_status sph_query_between(const sph_query *first, const sph_query *second, sph_gap *gap);
 sph_status sph_query_cast_between(const sph_query *first, const float motion[3], const sph_query *second, sph_gap *gap);
+typedef struct sph_progressive sph_progressive;
+enum 
+{
+  SPH_SIMPLIFY_SKINNED = 0,
+  SPH_SIMPLIFY_POSITION = 1,
+  SPH_SIMPLIFY_PULLED_BACK = 2,
+  SPH_SIMPLIFY_REST = 3
+};
+typedef struct sph_simplify_options
+{
+  uint32_t struct_size;
+  uint32_t flags;
+  int32_t method;
+  uint32_t influence_limit;
+  uint32_t pose_limit;
+  uint32_t pose_count;
+  const double *poses;
+  double border_weight;
+  double tolerance;
+  uint32_t round_limit;
+  uint32_t attribute_count;
+  const float *attributes;
+  const float *normals;
+  const uint32_t *groups;
+  const uint8_t *locked;
+} sph_simplify_options;
+void sph_simplify_options_init(sph_simplify_options *options, size_t size);
+sph_status sph_progressive_create(const sph_skin *skin, const sph_simplify_options *options, sph_progressive **out);
+void sph_progressive_destroy(sph_progressive *progressive);
+uint32_t sph_progressive_collapse_count(const sph_progressive *progressive);
+double sph_progressive_bounding_diagonal(const sph_progressive *progressive);
+uint32_t sph_progressive_pose_count(const sph_progressive *progressive);
+typedef struct sph_progressive_level
+{
+  uint32_t struct_size;
+  uint32_t collapse_count;
+  uint32_t vertex_count;
+  uint32_t point_count;
+  uint32_t triangle_count;
+  uint32_t forced;
+  double error;
+  double max_error;
+} sph_progressive_level;
+sph_status sph_progressive_get_level(const sph_progressive *progressive, uint32_t level, sph_progressive_level *out);
+sph_status sph_progressive_find_vertices(const sph_progressive *progressive, uint32_t vertex_count, uint32_t *level);
+sph_status sph_progressive_find_triangles(const sph_progressive *progressive, uint32_t triangle_count, uint32_t *level);
+sph_status sph_progressive_find_error(const sph_progressive *progressive, double max_error, uint32_t *level);
+sph_status sph_progressive_get_skin(const sph_progressive *progressive, uint32_t level, sph_skin **out);
+sph_status sph_progressive_get_attributes(const sph_progressive *progressive, uint32_t level, float *normals, float *attributes, uint32_t *vertex_sources, uint32_t *triangle_sources);
+sph_status sph_progressive_create_cursor(const sph_progressive *progressive, sph_cursor **out);
+uint32_t sph_progressive_point_count(const sph_progressive *progressive);
+uint32_t sph_progressive_influence_count(const sph_progressive *progressive);
+sph_status sph_progressive_point(const sph_progressive *progressive, uint32_t point, float rest[3], uint32_t *bones, float *weights);
 typedef struct sph_skeleton sph_skeleton;
 enum 
 {
@@ -782,6 +835,8 @@ declarations.structs = {
   "sph_hit",
   "sph_nearest",
   "sph_gap",
+  "sph_simplify_options",
+  "sph_progressive_level",
   "sph_skeleton_options",
   "sph_skeleton_arrays",
   "sph_surface_options",

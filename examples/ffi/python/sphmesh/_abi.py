@@ -48,6 +48,10 @@ SPH_SIMPLEX_EDGE = 2
 SPH_SIMPLEX_TRIANGLE = 3
 SPH_CAVITY_SOLID = 0
 SPH_CAVITY_SPACE = 1
+SPH_SIMPLIFY_SKINNED = 0
+SPH_SIMPLIFY_POSITION = 1
+SPH_SIMPLIFY_PULLED_BACK = 2
+SPH_SIMPLIFY_REST = 3
 SPH_SKELETON_TREE = 0
 SPH_SKELETON_FLAT = 1
 SPH_ROOT_CENTER = 0
@@ -423,6 +427,39 @@ class sph_gap(c.Structure):
     ]
 
 
+class sph_simplify_options(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("flags", c.c_uint32),
+        ("method", c.c_int32),
+        ("influence_limit", c.c_uint32),
+        ("pose_limit", c.c_uint32),
+        ("pose_count", c.c_uint32),
+        ("poses", c.c_void_p),
+        ("border_weight", c.c_double),
+        ("tolerance", c.c_double),
+        ("round_limit", c.c_uint32),
+        ("attribute_count", c.c_uint32),
+        ("attributes", c.c_void_p),
+        ("normals", c.c_void_p),
+        ("groups", c.c_void_p),
+        ("locked", c.c_void_p),
+    ]
+
+
+class sph_progressive_level(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("collapse_count", c.c_uint32),
+        ("vertex_count", c.c_uint32),
+        ("point_count", c.c_uint32),
+        ("triangle_count", c.c_uint32),
+        ("forced", c.c_uint32),
+        ("error", c.c_double),
+        ("max_error", c.c_double),
+    ]
+
+
 class sph_skeleton_options(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
@@ -647,6 +684,8 @@ STRUCTS: List[Any] = [
     sph_hit,
     sph_nearest,
     sph_gap,
+    sph_simplify_options,
+    sph_progressive_level,
     sph_skeleton_options,
     sph_skeleton_arrays,
     sph_surface_options,
@@ -771,6 +810,22 @@ PROTOTYPES: Dict[str, Tuple[Any, List[Any]]] = {
     "sph_query_contains": (c.c_int32, [c.c_void_p, c.c_void_p, c.c_size_t, c.c_size_t, c.c_int32, c.c_void_p]),
     "sph_query_between": (c.c_int32, [c.c_void_p, c.c_void_p, c.POINTER(sph_gap)]),
     "sph_query_cast_between": (c.c_int32, [c.c_void_p, c.c_void_p, c.c_void_p, c.POINTER(sph_gap)]),
+    "sph_simplify_options_init": (None, [c.POINTER(sph_simplify_options), c.c_size_t]),
+    "sph_progressive_create": (c.c_int32, [c.c_void_p, c.POINTER(sph_simplify_options), c.POINTER(c.c_void_p)]),
+    "sph_progressive_destroy": (None, [c.c_void_p]),
+    "sph_progressive_collapse_count": (c.c_uint32, [c.c_void_p]),
+    "sph_progressive_bounding_diagonal": (c.c_double, [c.c_void_p]),
+    "sph_progressive_pose_count": (c.c_uint32, [c.c_void_p]),
+    "sph_progressive_get_level": (c.c_int32, [c.c_void_p, c.c_uint32, c.POINTER(sph_progressive_level)]),
+    "sph_progressive_find_vertices": (c.c_int32, [c.c_void_p, c.c_uint32, c.c_void_p]),
+    "sph_progressive_find_triangles": (c.c_int32, [c.c_void_p, c.c_uint32, c.c_void_p]),
+    "sph_progressive_find_error": (c.c_int32, [c.c_void_p, c.c_double, c.c_void_p]),
+    "sph_progressive_get_skin": (c.c_int32, [c.c_void_p, c.c_uint32, c.POINTER(c.c_void_p)]),
+    "sph_progressive_get_attributes": (c.c_int32, [c.c_void_p, c.c_uint32, c.c_void_p, c.c_void_p, c.c_void_p, c.c_void_p]),
+    "sph_progressive_create_cursor": (c.c_int32, [c.c_void_p, c.POINTER(c.c_void_p)]),
+    "sph_progressive_point_count": (c.c_uint32, [c.c_void_p]),
+    "sph_progressive_influence_count": (c.c_uint32, [c.c_void_p]),
+    "sph_progressive_point": (c.c_int32, [c.c_void_p, c.c_uint32, c.c_void_p, c.c_void_p, c.c_void_p]),
     "sph_skeleton_options_init": (None, [c.POINTER(sph_skeleton_options), c.c_size_t]),
     "sph_skeleton_create": (c.c_int32, [c.c_void_p, c.POINTER(sph_skeleton_options), c.POINTER(c.c_void_p)]),
     "sph_skeleton_destroy": (None, [c.c_void_p]),

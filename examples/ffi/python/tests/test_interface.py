@@ -28,12 +28,19 @@ def test_declarations_are_those_of_the_headers(kind, file):
     assert file.read_text() == written(kind), "the headers have changed: run `ninja ffi-declarations`"
 
 
-def test_structs_and_constants_are_what_the_c_compiler_makes_of_them(tmp_path):
-    source, program = tmp_path / "layout.c", tmp_path / "layout"
+@pytest.fixture(scope="module")
+def layout(tmp_path_factory):
+    """What the C compiler makes of the headers: "struct" and size, "struct.field" and offset and size, constants."""
+    source = tmp_path_factory.mktemp("layout") / "layout.c"
     source.write_text(written("layout"))
     compiler = os.environ.get("CC", "cc").split()
-    subprocess.run([*compiler, "-I", INCLUDE, "-o", program, source], check=True)
-    told = dict(line.split(" ", 1) for line in subprocess.check_output([program], text=True).splitlines())
+    subprocess.run([*compiler, "-I", INCLUDE, "-o", source.with_suffix(""), source], check=True)
+    told = subprocess.check_output([source.with_suffix("")], text=True)
+    return dict(line.split(" ", 1) for line in told.splitlines())
+
+
+def test_structs_and_constants_are_what_the_c_compiler_makes_of_them(layout):
+    told = layout
     structs = {struct.__name__: struct for struct in _abi.STRUCTS}
     for name, expected in told.items():
         struct, _, field = name.partition(".")
@@ -47,6 +54,21 @@ def test_structs_and_constants_are_what_the_c_compiler_makes_of_them(tmp_path):
     fields = sum(len(struct._fields_) for struct in _abi.STRUCTS)
     constants = sum(name.startswith("SPH_") for name in vars(_abi))
     assert len(told) == len(structs) + fields + constants
+
+
+@pytest.mark.skipif(shutil.which("luajit") is None, reason="LuaJIT is not installed")
+def test_luajit_sees_what_the_c_compiler_makes_of_them(layout):
+    structs = {struct.__name__ for struct in _abi.STRUCTS}
+    lines = [f'print("{name}", ffi.sizeof "{name}")' if name in structs else
+             f'print("{name}", ffi.offsetof("{name.partition(".")[0]}", "{name.partition(".")[2]}"))'
+             for name in layout if name in structs or "." in name]
+    lines += [f'print("{name}", c["{name}"] or tonumber(ffi.C["{name}"]))' for name in layout if name.startswith("SPH_")]
+    code = 'local ffi = require "ffi" local d = require "declarations" local c = d.constants ffi.cdef(d.cdef)\n'
+    told = subprocess.check_output(["luajit", "-"], cwd=FFI / "lua/sphmesh", text=True, input=code + "\n".join(lines))
+    found = dict(line.split("\t") for line in told.splitlines())
+    assert found.keys() == layout.keys()
+    for name, expected in layout.items():
+        assert (name, float(found[name])) == (name, float(expected.split()[0]))
 
 
 def test_every_function_of_the_headers_is_declared_and_in_the_libraries():
@@ -76,8 +98,9 @@ def test_types_satisfy_mypy():
 def test_the_first_lines_of_the_readme_work(tmp_path):
     code = re.search(r"```python\n(.*?)```", (PACKAGE.parent / "README.md").read_text(), flags=re.S)[1]
     assert len(code.splitlines()) <= 10
-    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True,
-                   env={**os.environ, "PYTHONPATH": str(PACKAGE.parent)})
+    told = subprocess.check_output([sys.executable, "-c", code], cwd=tmp_path, text=True,
+                                   env={**os.environ, "PYTHONPATH": str(PACKAGE.parent)})
+    assert re.fullmatch(r"\(10, 24, 3\) \[3\.[67]\d*\]\n", told)
     assert (tmp_path / "level.json").exists()
 
 
@@ -97,7 +120,7 @@ def test_installed_libraries_are_found_through_pkg_config(tmp_path):
         place = next(p for p in _library.candidates(name) if os.path.exists(p))
         (tmp_path / file).symlink_to(os.path.abspath(place))
     (tmp_path / "sphmesh.pc").write_text(f"libdir={tmp_path}\nName: sphmesh\nDescription: x\nVersion: 0\n")
-    environment = {**os.environ, "PKG_CONFIG_PATH": str(tmp_path)}
+    environment = {**os.environ, "PKG_CONFIG_PATH": str(tmp_path), "PYTHONPATH": str(PACKAGE.parent)}
     del environment[_library.PATH_VARIABLE]
     code = "import sphmesh; sphmesh.Level([[0, 0, 0]], [1]).save('one.json'); print(sphmesh.library_version())"
     told = subprocess.check_output([sys.executable, "-c", code], cwd=tmp_path, env=environment, text=True)
