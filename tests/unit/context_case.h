@@ -14,6 +14,10 @@ extern sph_context *context;
 void setup(void);
 void teardown(void);
 
+/* Contexts of one, two and five threads, and of each executor of support.h: their results must be the same. */
+enum { OTHERS = 6 };
+void make_others(sph_context *others[OTHERS]);
+
 #define ck_message_has(part)                                                                                           \
     ck_assert_msg(strstr(sph_context_last_message(context), (part)) != NULL, "message \"%s\" lacks \"%s\"",            \
                   sph_context_last_message(context), (part))

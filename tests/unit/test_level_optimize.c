@@ -1,46 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Connectivity optimisation against its definition: all candidates of all vertices in all frames. */
-#include <check.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "awkward.h"
+#include "hierarchy_case.h"
 #include "runner.h"
 #include "simplicial.h"
-#include "support.h"
 
-enum { MODES = 3, FRAMES = 9 };
-
-static sph_context *context;
-
-static void setup(void)
-{
-    context = test_context();
-    ck_assert_ptr_nonnull(context);
-}
-
-static void teardown(void)
-{
-    sph_context_destroy(context);
-}
-
-static sph_hierarchy *build(const sph_animation *animation, int32_t mode)
-{
-    sph_hierarchy_options o;
-    sph_hierarchy *h = NULL;
-    sph_hierarchy_options_init(&o, sizeof o);
-    o.radius_mode = mode;
-    ck_assert_int_eq(sph_hierarchy_create(animation, &o, &h), SPH_OK);
-    return h;
-}
-
-static sph_level_arrays arrays_of(const sph_level *level)
-{
-    sph_level_arrays arrays = {.struct_size = sizeof arrays};
-    ck_assert_int_eq(sph_level_get_arrays(level, &arrays), SPH_OK);
-    return arrays;
-}
+enum { FRAMES = 9 };
 
 /* The sum over frames of the signed distance from every vertex to every sphere: [n][K]. */
 static double *all_distances(const sph_animation *animation, const sph_level_arrays *a)
@@ -114,7 +82,7 @@ START_TEST(vertices_go_to_their_nearest_neighbour_and_simplices_follow)
     const unsigned kind = (unsigned)_i % AWKWARD_KIND_COUNT;
     sph_animation *animation = awkward(context, kind, _i < AWKWARD_KIND_COUNT ? 1 : FRAMES);
     for (int32_t mode = 0; mode < MODES; ++mode) {
-        sph_hierarchy *h = build(animation, mode);
+        sph_hierarchy *h = build_mode(animation, mode);
         const uint32_t n = sph_hierarchy_vertex_count(h), least = n - sph_hierarchy_collapse_count(h);
         for (uint32_t count = least; count <= n; count += 1 + count / 8) {
             sph_level *level;
@@ -133,7 +101,7 @@ END_TEST
 START_TEST(the_finest_and_the_coarsest_level_are_optimal)
 {
     sph_animation *animation = awkward(context, (unsigned)_i, FRAMES);
-    sph_hierarchy *h = build(animation, SPH_RADIUS_CONSTANT);
+    sph_hierarchy *h = build_mode(animation, SPH_RADIUS_CONSTANT);
     const uint32_t n = sph_hierarchy_vertex_count(h);
     for (unsigned end = 0; end < 2; ++end) {
         const uint32_t count = end == 0 ? n : n - sph_hierarchy_collapse_count(h);
@@ -159,7 +127,7 @@ END_TEST
 START_TEST(what_no_sphere_holds_stays_free)
 {
     sph_animation *animation = test_torus(context, 9, 6, FRAMES);
-    sph_hierarchy *h = build(animation, SPH_RADIUS_CONSTANT);
+    sph_hierarchy *h = build_mode(animation, SPH_RADIUS_CONSTANT);
     sph_level *level, *holes;
     sph_level_arrays a;
     uint32_t labels[54];
@@ -220,17 +188,12 @@ END_TEST
 
 START_TEST(threads_and_executors_leave_every_bit)
 {
-    const sph_executor executors[] = {test_executor_reverse(), test_executor_scattered(), test_executor_threads()};
-    sph_context *others[] = {test_context_with_threads(1),
-                             test_context_with_threads(2),
-                             test_context_with_threads(5),
-                             test_context_with_executor(&executors[0]),
-                             test_context_with_executor(&executors[1]),
-                             test_context_with_executor(&executors[2])};
+    sph_context *others[OTHERS];
     sph_level *first = NULL;
-    for (unsigned i = 0; i < sizeof others / sizeof *others; ++i) {
+    make_others(others);
+    for (unsigned i = 0; i < OTHERS; ++i) {
         sph_animation *animation = test_sphere(others[i], 4, 3);
-        sph_hierarchy *h = build(animation, SPH_RADIUS_ZERO);
+        sph_hierarchy *h = build_mode(animation, SPH_RADIUS_ZERO);
         sph_level *level;
         ck_assert_int_eq(sph_level_create(h, 60, &level), SPH_OK);
         ck_assert_int_eq(sph_level_optimize_connectivity(level, animation), SPH_OK);
@@ -247,7 +210,7 @@ START_TEST(threads_and_executors_leave_every_bit)
         sph_animation_destroy(animation);
     }
     sph_level_destroy(first);
-    for (unsigned i = 0; i < sizeof others / sizeof *others; ++i)
+    for (unsigned i = 0; i < OTHERS; ++i)
         sph_context_destroy(others[i]);
 }
 END_TEST
@@ -267,7 +230,7 @@ START_TEST(another_animation_is_refused_and_the_message_says_both_counts)
 {
     sph_animation *animation = test_torus(context, 9, 6, 3), *frames = test_torus(context, 9, 6, 4);
     sph_animation *vertices = test_torus(context, 9, 7, 3);
-    sph_hierarchy *h = build(animation, SPH_RADIUS_CONSTANT);
+    sph_hierarchy *h = build_mode(animation, SPH_RADIUS_CONSTANT);
     sph_level *level, *unlabelled;
     sph_level_arrays a;
     float xyz[54][3];

@@ -1,31 +1,29 @@
 /* SPDX-License-Identifier: MIT */
 /* The outer surface of a posed level against brute force, and against shapes whose cavities are known. */
-#include <check.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
+#include "hierarchy_case.h"
 #include "measure/measure.h"
 #include "numeric/vector.h"
 #include "runner.h"
-#include "support.h"
 
 enum { SPHERES = 9, MOST_SIMPLICES = 12, SAMPLES = 40000, QUERIES = 300, RANDOM_LEVELS = 24 };
 
-static sph_context *context;
 static sph__outer outer;
 static uint64_t state;
 
-static void setup(void)
+static void setup_outer(void)
 {
-    context = test_context();
+    setup();
     outer = (sph__outer){0};
 }
 
-static void teardown(void)
+static void teardown_outer(void)
 {
     sph__outer_free(&outer);
-    sph_context_destroy(context);
+    teardown();
 }
 
 static double between(double low, double high)
@@ -37,17 +35,7 @@ static void pose(uint32_t spheres, const float *centers, const float *radii, siz
                  size_t triangle_count, const uint32_t *triangles, uint32_t samples)
 {
     const double shift[2] = {0.3, 0.7};
-    const sph_level_arrays arrays = {.struct_size = sizeof arrays,
-                                     .sphere_count = spheres,
-                                     .frame_count = 1,
-                                     .centers = centers,
-                                     .radii = radii,
-                                     .edge_count = edge_count,
-                                     .edges = edges,
-                                     .triangle_count = triangle_count,
-                                     .triangles = triangles};
-    sph_level *level = NULL;
-    ck_assert_int_eq(sph_level_create_from_arrays(context, &arrays, &level), SPH_OK);
+    sph_level *level = make_level(spheres, centers, radii, edge_count, edges, triangle_count, triangles);
     ck_assert_int_eq(sph__outer_init(&outer, level), SPH_OK);
     ck_assert_int_eq(sph__outer_pose(&outer, centers, radii, 0, samples, shift), SPH_OK);
     sph_level_destroy(level);
@@ -330,7 +318,7 @@ int main(void)
 {
     Suite *suite = suite_create("outer");
     TCase *tc = tcase_create("all");
-    tcase_add_checked_fixture(tc, setup, teardown);
+    tcase_add_checked_fixture(tc, setup_outer, teardown_outer);
     tcase_add_loop_test(tc, distance_from_within_reaches_the_nearest_boundary_of_the_union, 0, RANDOM_LEVELS);
     tcase_add_loop_test(tc, distance_from_outside_is_that_to_the_nearest_primitive, 0, RANDOM_LEVELS);
     tcase_add_loop_test(tc, points_of_the_surface_lie_on_it_and_are_spread_evenly, 0, 8);

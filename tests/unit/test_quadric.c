@@ -1,53 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Quadrics whose minimum can be found by hand, one per case. */
-#include <check.h>
 #include <math.h>
-#include <string.h>
 
-#include <sphmesh/quadric.h>
-
+#include "quadric_case.h"
 #include "runner.h"
-#include "support.h"
-
-static sph_context *context;
-
-static void setup(void)
-{
-    context = test_context();
-    ck_assert_ptr_nonnull(context);
-}
-
-static void teardown(void)
-{
-    sph_context_destroy(context);
-}
-
-static sph_quadric *make(uint32_t frame_count)
-{
-    sph_quadric *quadric;
-    ck_assert_int_eq(sph_quadric_create(context, frame_count, &quadric), SPH_OK);
-    return quadric;
-}
-
-static void add_plane(sph_quadric *quadric, uint32_t frame, double x, double y, double z, double nx, double ny,
-                      double nz, double weight)
-{
-    const double point[3] = {x, y, z}, normal[3] = {nx, ny, nz};
-    ck_assert_int_eq(sph_quadric_add_plane(quadric, frame, point, normal, weight), SPH_OK);
-}
-
-/* Six planes of weight 1, at `half` from the center along each axis; outward, or inward where `sign` is -1. */
-static void add_cuboid(sph_quadric *quadric, uint32_t frame, const double center[3], const double half[3], double sign)
-{
-    for (int axis = 0; axis < 3; ++axis)
-        for (int side = -1; side <= 1; side += 2) {
-            double point[3], normal[3] = {0, 0, 0};
-            memcpy(point, center, sizeof point);
-            point[axis] += side * half[axis];
-            normal[axis] = sign * side * 7.0; /* any length will do */
-            ck_assert_int_eq(sph_quadric_add_plane(quadric, frame, point, normal, 1.0), SPH_OK);
-        }
-}
 
 typedef struct expected {
     double radius, lambda, cost;
@@ -83,7 +39,7 @@ static const double CENTER[3] = {10, -20, 30}, HALF[3] = {1, 2, 3};
 
 START_TEST(regular_planes_of_a_cuboid_give_the_mean_half_width)
 {
-    sph_quadric *q = make(1);
+    sph_quadric *q = make_quadric(1);
     double centers[3];
     add_cuboid(q, 0, CENTER, HALF, 1);
     check_minimum(q, NULL, NULL, INFINITY, (expected){2, 0, 4, 0}, centers); /* 2 ((1-2)^2 + 0 + (3-2)^2) */
@@ -95,7 +51,7 @@ END_TEST
 
 START_TEST(regular_radius_is_clamped_at_the_bound)
 {
-    sph_quadric *q = make(1);
+    sph_quadric *q = make_quadric(1);
     double centers[3];
     add_cuboid(q, 0, CENTER, HALF, 1);
     check_minimum(q, NULL, NULL, 1.5, (expected){1.5, 0, 5.5, 0}, centers); /* 2 (0.25 + 0.25 + 2.25) */
@@ -107,7 +63,7 @@ END_TEST
 
 START_TEST(regular_radius_is_clamped_at_zero)
 {
-    sph_quadric *q = make(1);
+    sph_quadric *q = make_quadric(1);
     double centers[3];
     add_cuboid(q, 0, CENTER, HALF, -1);
     check_minimum(q, NULL, NULL, INFINITY, (expected){0, 0, 28, 0}, centers);
@@ -118,7 +74,7 @@ END_TEST
 
 START_TEST(regular_frames_share_one_radius)
 {
-    sph_quadric *q = make(2);
+    sph_quadric *q = make_quadric(2);
     const double small[3] = {1, 1, 1}, large[3] = {3, 3, 3}, elsewhere[3] = {0, 7, 0};
     double centers[6];
     add_cuboid(q, 0, CENTER, small, 1);
@@ -134,7 +90,7 @@ START_TEST(a_corner_that_any_radius_fits_gets_radius_zero)
 {
     /* W2 = 0: the sphere may slide down the corner, touching all three planes. Far away, where rounding shows. */
     for (double far = 0; far < 1e7; far = far * 10 + 1) {
-        sph_quadric *q = make(1);
+        sph_quadric *q = make_quadric(1);
         double centers[3];
         add_plane(q, 0, far + 1, far - 3, far, 1, 0, 0, 0.3);
         add_plane(q, 0, far, far + 1, far + 9, 0, 1, 0, 0.7);
@@ -186,7 +142,7 @@ static const flat_case FLAT[] = {
 START_TEST(flat_frames_have_their_centers_on_the_segment)
 {
     const flat_case *c = &FLAT[_i];
-    sph_quadric *q = make(c->frame_count);
+    sph_quadric *q = make_quadric(c->frame_count);
     const double u[6] = {-5, 1, c->u, 0, 0, 0}, v[6] = {3, 2, c->v, 0, 0, 0};
     double centers[6];
     /* Two planes of half the weight, so that the frame is flat for more reasons than having one plane only. */
@@ -205,7 +161,7 @@ START_TEST(no_planes_at_all_give_the_middle_of_the_segment)
     for (uint32_t frames = 1; frames <= 3; frames += 2) { /* kernel 2 */
         const double u[9] = {0, 0, 0, 1, 1, 1, 2, 2, 2}, v[9] = {2, 4, 6, 1, 1, 1, -2, -2, -2};
         double centers[9];
-        sph_quadric *q = make(frames);
+        sph_quadric *q = make_quadric(frames);
         check_minimum(q, u, v, INFINITY, (expected){0, 0.5, 0, frames}, centers);
         check_center(centers, 1, 2, 3);
         if (frames > 1) check_center(centers + 6, 0, 0, 0);
@@ -218,7 +174,7 @@ END_TEST
 
 START_TEST(a_tube_is_fixed_across_and_free_along_its_axis)
 {
-    sph_quadric *q = make(1);
+    sph_quadric *q = make_quadric(1);
     const double u[3] = {0, 0, 1}, v[3] = {0, 0, 4};
     double centers[3];
     add_plane(q, 0, 1, 5, 3, 1, 0, 0, 1);
@@ -233,7 +189,7 @@ END_TEST
 
 START_TEST(regular_and_flat_and_empty_frames_mix)
 {
-    sph_quadric *q = make(3);
+    sph_quadric *q = make_quadric(3);
     const double half[3] = {2, 2, 2};
     const double u[9] = {99, 99, 99, 0, 0, 0, 1, 1, 1}, v[9] = {-99, 5, 1, 0, 0, -4, 5, 5, 5};
     double centers[9];
@@ -252,7 +208,7 @@ END_TEST
 
 START_TEST(an_attachment_makes_every_frame_regular)
 {
-    sph_quadric *q = make(2);
+    sph_quadric *q = make_quadric(2);
     const double place[3] = {3, 4, -1}, other[3] = {5, 6, 7};
     double centers[6];
     add_plane(q, 0, 0, 0, 0, 0, 0, 1, 1);
@@ -269,7 +225,7 @@ END_TEST
 
 START_TEST(the_sum_of_two_quadrics_is_that_of_their_planes)
 {
-    sph_quadric *all = make(3), *left = make(3), *right = make(3);
+    sph_quadric *all = make_quadric(3), *left = make_quadric(3), *right = make_quadric(3);
     uint64_t seed = 5;
     for (int i = 0; i < 60; ++i) {
         const uint32_t frame = i < 30 ? (uint32_t)i % 3 : (uint32_t)i % 2; /* in one of them, frame 2 stays empty */

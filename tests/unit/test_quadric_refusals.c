@@ -1,53 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* What the functions of a quadric refuse, and that a refusal, or a failed allocation, changes nothing. */
-#include <check.h>
 #include <math.h>
-#include <string.h>
 
-#include <sphmesh/quadric.h>
-
+#include "quadric_case.h"
 #include "runner.h"
-#include "support.h"
-
-static sph_context *context;
-
-static void setup(void)
-{
-    context = test_context();
-    ck_assert_ptr_nonnull(context);
-}
-
-static void teardown(void)
-{
-    sph_context_destroy(context);
-}
-
-static sph_quadric *make(uint32_t frame_count)
-{
-    sph_quadric *quadric;
-    ck_assert_int_eq(sph_quadric_create(context, frame_count, &quadric), SPH_OK);
-    return quadric;
-}
-
-static void add_plane(sph_quadric *quadric, uint32_t frame, double x, double y, double z, double nx, double ny,
-                      double nz, double weight)
-{
-    const double point[3] = {x, y, z}, normal[3] = {nx, ny, nz};
-    ck_assert_int_eq(sph_quadric_add_plane(quadric, frame, point, normal, weight), SPH_OK);
-}
-
-/* Six planes of weight 1, at `half` from the center along each axis; outward, or inward where `sign` is -1. */
-static void add_cuboid(sph_quadric *quadric, uint32_t frame, const double center[3], const double half[3], double sign)
-{
-    for (int axis = 0; axis < 3; ++axis)
-        for (int side = -1; side <= 1; side += 2) {
-            double point[3], normal[3] = {0, 0, 0};
-            memcpy(point, center, sizeof point);
-            point[axis] += side * half[axis];
-            normal[axis] = sign * side * 7.0; /* any length will do */
-            ck_assert_int_eq(sph_quadric_add_plane(quadric, frame, point, normal, 1.0), SPH_OK);
-        }
-}
 
 static const double CENTER[3] = {10, -20, 30}, HALF[3] = {1, 2, 3};
 
@@ -69,7 +25,7 @@ START_TEST(bad_counts_and_missing_handles_are_refused)
     ck_assert_int_eq(sph_quadric_create(NULL, 1, &q), SPH_E_INVALID);
     ck_assert_uint_eq(sph_quadric_frame_count(NULL), 0);
     sph_quadric_destroy(NULL);
-    q = make(7);
+    q = make_quadric(7);
     ck_assert_uint_eq(sph_quadric_frame_count(q), 7);
     sph_quadric_destroy(q);
 }
@@ -79,7 +35,7 @@ START_TEST(bad_planes_and_attachments_are_refused_and_change_nothing)
 {
     static const double good[3] = {1, 2, 3}, bad[3] = {0, (double)NAN, 0}, endless[3] = {0, 0, INFINITY};
     static const double zero[3] = {0, 0, 0}, huge[3] = {1e200, 0, 0}, x[3] = {1, 0, 0};
-    sph_quadric *q = make(2), *copy = make(2);
+    sph_quadric *q = make_quadric(2), *copy = make_quadric(2);
     double centers[6] = {1, 2, 3, 4, 5, 6}, before, after;
     add_cuboid(q, 0, CENTER, HALF, 1);
     ck_assert_int_eq(sph_quadric_evaluate(q, centers, 1, &before), SPH_OK);
@@ -119,7 +75,7 @@ START_TEST(bad_questions_are_refused_and_leave_the_answers_alone)
 {
     static const double good[6] = {1, 2, 3, 4, 5, 6}, bad[6] = {0, 0, 0, 0, INFINITY, 0};
     static const double huge[6] = {0, 0, 0, 1e300, 0, 0};
-    sph_quadric *q = make(2), *three = make(3);
+    sph_quadric *q = make_quadric(2), *three = make_quadric(3);
     sph_quadric_minimum minimum = {.radius = 42};
     double centers[6] = {42, 42, 42, 42, 42, 42}, cost = 42;
     add_cuboid(q, 0, CENTER, HALF, 1);
