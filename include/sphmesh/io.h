@@ -11,6 +11,7 @@
 #define SPHMESH_IO_H
 
 #include "io_rig.h"
+#include "io_simplify.h"
 #include "sphmesh.h"
 
 #include "spill.h"

@@ -4,6 +4,7 @@
 #define SPH_IO_GLTF_H
 
 #include "io/affine.h"
+#include "io/gltf_types.h"
 #include "io/io.h"
 
 #define SPH__GLTF_NONE UINT32_MAX
@@ -80,6 +81,8 @@ sph_status sph__gltf_get_index(const sph__gltf_document *d, uint32_t object, con
 sph_status sph__gltf_read_index(const sph__gltf_document *d, uint32_t value, int list, uint32_t *index);
 /* Whether a string is this one. */
 bool sph__gltf_is(const sph__gltf_document *d, uint32_t value, const char *text);
+/* The text of a value, as it is in the file. */
+sph_status sph__gltf_get_text(const sph__gltf_document *d, uint32_t value, const char **text, size_t *length);
 /* A string, decoded; sph_context_release() it. */
 sph_status sph__gltf_copy_text(const sph__gltf_document *d, uint32_t value, char **text);
 
@@ -88,21 +91,14 @@ sph_status sph__gltf_copy_text(const sph__gltf_document *d, uint32_t value, char
  * of them has a limit.
  */
 sph_status sph__gltf_allocate(sph__gltf_document *d, size_t count, size_t size, void *out);
+/* Maps a file beside the glTF by its URI, which is decoded in place. */
+sph_status sph__gltf_map_file(const sph__gltf_document *d, uint32_t value, char *uri, sph__io_map *map);
 /* The bytes of a buffer. */
 sph_status sph__gltf_buffer_bytes(sph__gltf_document *d, uint32_t index, const unsigned char **bytes, size_t *size);
 sph_status sph__gltf_decode_base64(const sph__gltf_document *d, uint32_t value, const char *text,
                                    sph__gltf_buffer *buffer);
 
 /* --- accessors (gltf_accessor.c) --- */
-
-enum {
-    SPH__GLTF_I8 = 5120,
-    SPH__GLTF_U8 = 5121,
-    SPH__GLTF_I16 = 5122,
-    SPH__GLTF_U16 = 5123,
-    SPH__GLTF_U32 = 5125,
-    SPH__GLTF_F32 = 5126
-};
 
 typedef struct sph__gltf_accessor {
     uint32_t value;             /* in the JSON */
@@ -146,6 +142,10 @@ typedef struct sph__gltf_bone {
 /* Where what a primitive at a node adds begins. */
 typedef struct sph__gltf_part {
     size_t first_vertex, first_triangle;
+    uint32_t node, primitive; /* the latter in the JSON */
+    uint32_t *used;           /* [used_count]: which of the primitive's vertices they are */
+    size_t used_count;
+    bool mirrored; /* its triangles were turned round */
 } sph__gltf_part;
 
 typedef struct sph__gltf_influence {

@@ -192,7 +192,7 @@ static bool decode_percent(char *text)
 }
 
 /* A file beside the glTF. */
-static sph_status map_file(const sph__gltf_document *d, uint32_t value, char *uri, sph__gltf_buffer *buffer)
+sph_status sph__gltf_map_file(const sph__gltf_document *d, uint32_t value, char *uri, sph__io_map *map)
 {
     const char *slash = strrchr(d->path, '/');
     const size_t folder = slash == NULL ? 0 : (size_t)(slash - d->path) + 1;
@@ -200,17 +200,15 @@ static sph_status map_file(const sph__gltf_document *d, uint32_t value, char *ur
     char *path;
     sph_status status;
     if (memchr(uri, ':', size) != NULL || uri[0] == '/')
-        return sph__io_fail(d->context, SPH_E_UNSUPPORTED, "%s: a buffer at %.100s: only files beside it are read",
+        return sph__io_fail(d->context, SPH_E_UNSUPPORTED, "%s: a part of it at %.100s: only files beside it are read",
                             sph__io_shown(d->path), uri);
     if (!decode_percent(uri)) return sph__gltf_fail(d, value, "a file name with a zero in it");
     path = sph_context_allocate(d->context, folder + strlen(uri) + 1, 1);
     if (path == NULL) return sph__io_fail_memory(d->context, d->path);
     memcpy(path, d->path, folder);
     memcpy(path + folder, uri, strlen(uri) + 1);
-    status = sph__io_map_open(d->context, path, &buffer->map);
+    status = sph__io_map_open(d->context, path, map);
     sph_context_release(d->context, path);
-    buffer->bytes = buffer->map.bytes;
-    buffer->size = buffer->map.size;
     return status;
 }
 
@@ -228,9 +226,14 @@ static sph_status find_bytes(sph__gltf_document *d, uint32_t index, sph__gltf_bu
         buffer->size = d->binary_size;
         return SPH_OK;
     }
-    if ((status = sph__gltf_copy_text(d, value, &uri)) == SPH_OK)
-        status = strncmp(uri, "data:", 5) == 0 ? sph__gltf_decode_base64(d, value, uri, buffer)
-                                               : map_file(d, value, uri, buffer);
+    status = sph__gltf_copy_text(d, value, &uri);
+    if (status == SPH_OK && strncmp(uri, "data:", 5) == 0) {
+        status = sph__gltf_decode_base64(d, value, uri, buffer);
+    } else if (status == SPH_OK) {
+        status = sph__gltf_map_file(d, value, uri, &buffer->map);
+        buffer->bytes = buffer->map.bytes;
+        buffer->size = buffer->map.size;
+    }
     sph_context_release(d->context, uri);
     d->budget += BUDGET_FACTOR * (uint64_t)buffer->map.size;
     return status;

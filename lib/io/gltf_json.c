@@ -194,6 +194,15 @@ sph_status sph__gltf_get_index(const sph__gltf_document *d, uint32_t object, con
     return value == 0 ? SPH_OK : sph__gltf_read_index(d, value, list, index);
 }
 
+sph_status sph__gltf_get_text(const sph__gltf_document *d, uint32_t value, const char **text, size_t *length)
+{
+    sph__io_json json = reader_at(d, value);
+    const sph_status status = sph__io_json_skip(&json);
+    *text = d->text + d->values[value].begin;
+    *length = (size_t)(json.p - *text);
+    return status;
+}
+
 sph_status sph__gltf_copy_text(const sph__gltf_document *d, uint32_t value, char **text)
 {
     sph__io_json json = reader_at(d, value);

@@ -171,6 +171,7 @@ static sph_status turn_mirrored(sph__gltf_document *d, sph__io_gltf *g, sph__io_
         const bool last = k + 1 == g->part_count;
         const size_t end = last ? mesh->triangle_count : g->parts[k + 1].first_triangle;
         if (!is_mirrored(g, g->parts[k].first_vertex, last ? g->vertex_count : g->parts[k + 1].first_vertex)) continue;
+        g->parts[k].mirrored = true;
         for (size_t i = g->parts[k].first_triangle; i < end; ++i) {
             const uint32_t b = mesh->triangles[3 * i + 1];
             mesh->triangles[3 * i + 1] = mesh->triangles[3 * i + 2];
@@ -184,20 +185,27 @@ static sph_status add_part(part *p)
 {
     sph__io_gltf *g = p->g;
     const size_t first = g->vertex_count;
-    const uint32_t count = p->positions.count;
+    const uint32_t count = p->positions.count, *used;
     sph_status status = read_corners(p);
     if (status == SPH_OK) status = compact(p);
     if (status != SPH_OK || p->used_count == 0) return status;
+    if ((status = add_positions(p)) != SPH_OK) return status;
     status = sph__gltf_push(p->d, &g->parts, &g->part_capacity, g->part_count, sizeof *g->parts);
     if (status != SPH_OK) return status;
-    g->parts[g->part_count++] = (sph__gltf_part){first, p->mesh->triangle_count};
-    if ((status = add_positions(p)) != SPH_OK) return status;
+    g->parts[g->part_count++] = (sph__gltf_part){.first_vertex = first,
+                                                 .first_triangle = p->mesh->triangle_count,
+                                                 .node = (uint32_t)(p->node - g->nodes),
+                                                 .primitive = p->primitive,
+                                                 .used = p->used,
+                                                 .used_count = p->used_count};
+    p->used = NULL; /* the scene has it now */
+    used = g->parts[g->part_count - 1].used;
     g->vertex_count = p->mesh->vertex_count;
     status = add_simplices(p);
     if (status == SPH_OK)
-        status = sph__gltf_read_influences(p->d, g, p->primitive, p->node, p->used, p->used_count, count);
+        status = sph__gltf_read_influences(p->d, g, p->primitive, p->node, used, p->used_count, count);
     if (status == SPH_OK)
-        status = sph__gltf_read_targets(p->d, g, p->primitive, p->node, p->used, p->used_count, count, first);
+        status = sph__gltf_read_targets(p->d, g, p->primitive, p->node, used, p->used_count, count, first);
     return status;
 }
 

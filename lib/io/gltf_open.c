@@ -25,6 +25,8 @@ void sph__io_gltf_close(sph__io_gltf *g)
     sph_context_release(context, g->skin_bones);
     sph_context_release(context, g->weights_rest);
     sph_context_release(context, g->weights);
+    for (size_t i = 0; i < g->part_count; ++i)
+        sph_context_release(context, g->parts[i].used);
     sph_context_release(context, g->parts);
     sph_context_release(context, g->positions);
     sph_context_release(context, g->morphed);

@@ -3,17 +3,11 @@
 #ifndef SPH_IO_GLTF_WRITE_H
 #define SPH_IO_GLTF_WRITE_H
 
+#include "io/gltf_types.h"
 #include "io/io.h"
 
-/* What the format calls them. */
-enum {
-    SPH__GLTF_U8 = 5121,
-    SPH__GLTF_U16 = 5123,
-    SPH__GLTF_U32 = 5125,
-    SPH__GLTF_FLOAT = 5126,
-    SPH__GLTF_VERTICES = 34962,
-    SPH__GLTF_INDICES = 34963
-};
+/* What a view is for. */
+enum { SPH__GLTF_VERTICES = 34962, SPH__GLTF_INDICES = 34963 };
 
 /* Text that grows; once it has failed for want of memory it stays as it is. */
 typedef struct sph__io_text {

@@ -260,47 +260,59 @@ static sph_status gather(gathering *a)
     return SPH_OK;
 }
 
-static sph_status read_rig(const char *path, const sph__io_map *map, gathering *a)
+sph_status sph__io_rig_read(sph__gltf_document *d, const sph_io_open_rig_options *options, sph__io_gltf **scene,
+                            sph_io_rig **out)
 {
-    sph__gltf_document d;
-    sph_status status = sph__gltf_document_open(a->mesh.context, path, map, &d);
+    gathering a = {.mesh.context = d->context, .d = d, .options = *options};
+    sph_status status = SPH_OK;
+    *out = a.rig = sph_context_allocate(d->context, 1, sizeof *a.rig);
+    *scene = NULL;
+    if (a.rig == NULL) return sph__io_fail_memory(d->context, d->path);
+    *a.rig = (sph_io_rig){.context = d->context};
+    status = sph__gltf_open_scene(d, a.options.fps, a.options.clip, &a.mesh, &a.g);
+    *scene = a.g;
+    if (status == SPH_OK) status = gather(&a);
+    release(&a);
+    return status;
+}
+
+sph_status sph__io_rig_map(sph_context *context, const char *path, sph__io_map *map, sph__gltf_document *d)
+{
+    sph__io_read_fn *read;
+    sph_status status = sph__io_map_open(context, path, map);
+    *d = (sph__gltf_document){.context = context};
     if (status != SPH_OK) return status;
-    a->d = &d;
-    status = sph__gltf_open_scene(&d, a->options.fps, a->options.clip, &a->mesh, &a->g);
-    if (status == SPH_OK) status = gather(a);
-    sph__io_gltf_close(a->g);
-    release(a);
-    sph__gltf_document_close(&d);
+    status = sph__io_find_reader(context, path, map, &read);
+    if (status == SPH_OK && read != sph__io_read_gltf)
+        status = sph__io_fail(context, SPH_E_UNSUPPORTED, "%s is no glTF: only these hold rigs that are read",
+                              sph__io_shown(path));
+    if (status == SPH_OK) status = sph__gltf_document_open(context, path, map, d);
+    if (status != SPH_OK) sph__io_map_close(map);
     return status;
 }
 
 sph_status sph_io_open_rig(sph_context *context, const char *path, const sph_io_open_rig_options *options,
                            sph_io_rig **out)
 {
-    gathering a = {.mesh.context = context};
-    sph__io_read_fn *read;
+    sph_io_open_rig_options chosen;
+    sph__io_gltf *scene = NULL;
+    sph__gltf_document d;
+    sph_io_rig *rig = NULL;
     sph__io_map map;
     sph_status status;
     if (out != NULL) *out = NULL;
     if (context == NULL || path == NULL || out == NULL)
         return sph_context_fail(context, SPH_E_INVALID, "sph_io_open_rig: an argument is NULL");
-    if ((status = sph__io_rig_read_options(context, options, &a.options)) != SPH_OK) return status;
-    if ((status = sph__io_map_open(context, path, &map)) != SPH_OK) return status;
-    status = sph__io_find_reader(context, path, &map, &read);
-    if (status == SPH_OK && read != sph__io_read_gltf)
-        status = sph__io_fail(context, SPH_E_UNSUPPORTED, "%s is no glTF: only these hold rigs that are read",
-                              sph__io_shown(path));
-    if (status == SPH_OK && (a.rig = sph_context_allocate(context, 1, sizeof *a.rig)) == NULL)
-        status = sph__io_fail_memory(context, path);
-    if (status == SPH_OK) {
-        *a.rig = (sph_io_rig){.context = context};
-        status = read_rig(path, &map, &a);
-    }
+    if ((status = sph__io_rig_read_options(context, options, &chosen)) != SPH_OK) return status;
+    if ((status = sph__io_rig_map(context, path, &map, &d)) != SPH_OK) return status;
+    status = sph__io_rig_read(&d, &chosen, &scene, &rig);
+    sph__io_gltf_close(scene);
+    sph__gltf_document_close(&d);
     sph__io_map_close(&map);
     if (status != SPH_OK) {
-        sph_io_rig_destroy(a.rig);
+        sph_io_rig_destroy(rig);
         return status;
     }
-    *out = a.rig;
+    *out = rig;
     return SPH_OK;
 }

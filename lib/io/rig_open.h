@@ -3,7 +3,7 @@
 #ifndef SPH_IO_RIG_OPEN_H
 #define SPH_IO_RIG_OPEN_H
 
-#include "io/io.h"
+#include "io/gltf.h"
 
 struct sph_io_rig {
     sph_context *context; /* the skin keeps it alive, until the rig is destroyed */
@@ -21,5 +21,11 @@ struct sph_io_rig {
 /* Checks a caller's options; frames per second become those that are meant. */
 sph_status sph__io_rig_read_options(sph_context *context, const sph_io_open_rig_options *in,
                                     sph_io_open_rig_options *o);
+
+/* Maps a file and opens its document, which must be a glTF; close both, the document first, where it succeeds. */
+sph_status sph__io_rig_map(sph_context *context, const char *path, sph__io_map *map, sph__gltf_document *d);
+/* The document's rig, with checked options, and the scene that it is of; both are to be given back after failure too. */
+sph_status sph__io_rig_read(sph__gltf_document *d, const sph_io_open_rig_options *options, sph__io_gltf **scene,
+                            sph_io_rig **out);
 
 #endif
