@@ -15,7 +15,7 @@ static const subcommand *const COMMANDS[] = {&build_command,   &info_command,   
 #ifdef HAVE_PNG
                                              &render_command,
 #endif
-                                             &pose_command,    &demo_command};
+                                             &pose_command,    &simplify_command, &demo_command};
 enum { COMMAND_COUNT = sizeof COMMANDS / sizeof COMMANDS[0] };
 
 int usage_error(const char *name, const char *format, ...)

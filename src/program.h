@@ -17,7 +17,7 @@ typedef struct subcommand {
 } subcommand;
 
 extern const subcommand build_command, info_command, level_command, measure_command, convert_command, surface_command,
-    cast_command, export_command, skin_command, pose_command, render_command, demo_command;
+    cast_command, export_command, skin_command, pose_command, simplify_command, render_command, demo_command;
 
 /* Prints "sphmesh COMMAND: ..." and where to find help; returns USAGE. `name` may be NULL. */
 int usage_error(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
