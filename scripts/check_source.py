@@ -10,7 +10,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # A room of lib/ may include the rooms before it. io is a library of its own and sees public headers only.
-ROOMS = ["base", "numeric", "animation", "quadric", "hierarchy", "level", "coverage", "query", "measure", "surface", "skin", "skeleton", "pose", "simplify"]
+ROOMS = ["base", "numeric", "animation", "quadric", "hierarchy", "level", "coverage", "query", "measure", "surface", "skin", "skeleton", "pose", "simplify", "implicit"]
 PRINTS = r"printf|vprintf|puts|putchar|perror"
 ENDS = r"exit|_exit|_Exit|quick_exit|abort|assert"
 SHARES = r"rand|srand|setlocale|strtok|getenv|setenv|signal|system|atexit|localtime|gmtime"

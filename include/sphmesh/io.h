@@ -201,11 +201,11 @@ SPH_API sph_status sph_io_save_obj_mdd(sph_context *context, const sph_animation
                                        double frames_per_second, const char *obj_path, const char *mdd_path);
 
 /** What a `.sphm` file holds. */
-enum { SPH_IO_HIERARCHY = 1, SPH_IO_LEVEL = 2 };
+enum { SPH_IO_HIERARCHY = 1, SPH_IO_LEVEL = 2, SPH_IO_IMPLICIT = 3 };
 
 /**
  * @brief Tells what a file made by the functions below holds, without reading all of it.
- * @param[out] kind  one of SPH_IO_HIERARCHY, SPH_IO_LEVEL; untouched on failure.
+ * @param[out] kind  one of SPH_IO_HIERARCHY, SPH_IO_LEVEL, SPH_IO_IMPLICIT; untouched on failure.
  * @retval SPH_E_IO, SPH_E_FORMAT, SPH_E_VERSION
  * @since 0.1
  */

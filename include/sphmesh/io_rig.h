@@ -102,6 +102,11 @@ SPH_API sph_status sph_io_save_mesh(sph_context *context, uint32_t vertex_count,
                                     const float *normals, size_t triangle_count, const uint32_t *triangles,
                                     const char *path);
 
+/** @brief Saves the implicit skin of a rig as a `.sphm` file. @retval SPH_E_IO the message has the path and the reason. @since 0.1 */
+SPH_API sph_status sph_io_save_implicit(sph_context *context, const sph_implicit *implicit, const char *path);
+/** @brief Loads an implicit skin from a `.sphm` file; errors as sph_implicit_read() and SPH_E_IO. @since 0.1 */
+SPH_API sph_status sph_io_load_implicit(sph_context *context, const char *path, sph_implicit **out);
+
 SPH_END_DECLS
 
 #endif

@@ -7,6 +7,7 @@
 #include "context.h"
 #include "coverage.h"
 #include "hierarchy.h"
+#include "implicit.h"
 #include "level.h"
 #include "measure.h"
 #include "pose.h"

@@ -151,7 +151,7 @@ static const unsigned char *entry_of(const sph__container *c, uint32_t index)
 
 static sph_status check_header(sph__container *c, uint32_t kind)
 {
-    static const char *const KINDS[] = {"nothing known", "a hierarchy", "a level"};
+    static const char *const KINDS[] = {"nothing known", "a hierarchy", "a level", "an implicit skin"};
     const unsigned char *p = c->bytes;
     uint64_t major, found, size, count;
     if (c->size < sizeof MAGIC || memcmp(p, MAGIC, sizeof MAGIC) != 0) {
@@ -175,7 +175,7 @@ static sph_status check_header(sph__container *c, uint32_t kind)
     c->chunk_count = (uint32_t)count;
     found = get(p + 12, 4);
     if (found == kind) return SPH_OK;
-    return sph__fail(c->context, SPH_E_FORMAT, "byte 12: the container holds %s, not %s", KINDS[found > 2 ? 0 : found],
+    return sph__fail(c->context, SPH_E_FORMAT, "byte 12: the container holds %s, not %s", KINDS[found > SPH__CONTAINER_IMPLICIT ? 0 : found],
                      KINDS[kind]);
 }
 

@@ -48,8 +48,8 @@ static sph_status identify(sph_context *context, const char *path, const sph__io
                             sph__io_shown(path), MAJOR_AT, p[MAJOR_AT] | p[MAJOR_AT + 1] << 8, MAJOR_VERSION);
     found =
         p[KIND_AT] | (uint32_t)p[KIND_AT + 1] << 8 | (uint32_t)p[KIND_AT + 2] << 16 | (uint32_t)p[KIND_AT + 3] << 24;
-    if (found != SPH_IO_HIERARCHY && found != SPH_IO_LEVEL)
-        return sph__io_fail(context, SPH_E_FORMAT, "%s: byte %d: neither a hierarchy nor a level but %u",
+    if (found < SPH_IO_HIERARCHY || found > SPH_IO_IMPLICIT)
+        return sph__io_fail(context, SPH_E_FORMAT, "%s: byte %d: neither a hierarchy, a level nor fields but %u",
                             sph__io_shown(path), KIND_AT, (unsigned)found);
     *kind = (int32_t)found;
     return SPH_OK;
@@ -83,6 +83,27 @@ sph_status sph_io_load_hierarchy(sph_context *context, const char *path, sph_hie
     if (status == SPH_OK) status = sph__io_map_open(context, path, &map);
     if (status != SPH_OK) return status;
     status = name_file(context, path, sph_hierarchy_read(context, map.bytes, map.size, out));
+    sph__io_map_close(&map);
+    return status;
+}
+
+sph_status sph_io_save_implicit(sph_context *context, const sph_implicit *implicit, const char *path)
+{
+    sph__io_output output;
+    sph_status status = check_arguments(context, implicit, path, "sph_io_save_implicit");
+    if (status == SPH_OK) status = sph__io_output_open(context, path, &output);
+    if (status != SPH_OK) return status;
+    return close_output(&output, sph_implicit_write(implicit, write_bytes, &output));
+}
+
+sph_status sph_io_load_implicit(sph_context *context, const char *path, sph_implicit **out)
+{
+    sph__io_map map;
+    sph_status status = check_arguments(context, out, path, "sph_io_load_implicit");
+    if (out != NULL) *out = NULL;
+    if (status == SPH_OK) status = sph__io_map_open(context, path, &map);
+    if (status != SPH_OK) return status;
+    status = name_file(context, path, sph_implicit_read(context, map.bytes, map.size, out));
     sph__io_map_close(&map);
     return status;
 }

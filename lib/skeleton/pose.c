@@ -2,6 +2,7 @@
 /* Poses of bones as poses of joints relative to their parents, and back. */
 #include <math.h>
 
+#include "numeric/affine.h"
 #include "skeleton/skeleton.h"
 
 /* out = a b; `out` is neither */
@@ -11,27 +12,6 @@ static void multiply(const double a[12], const double b[12], double out[12])
         for (int c = 0; c < 4; ++c)
             out[4 * r + c] =
                 a[4 * r] * b[c] + a[4 * r + 1] * b[4 + c] + a[4 * r + 2] * b[8 + c] + (c == 3 ? a[4 * r + 3] : 0);
-}
-
-/* False where there is none. */
-static bool invert(const double m[12], double out[12])
-{
-    double determinant = 0;
-    for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) {
-            const int i = (c + 1) % 3, k = (c + 2) % 3, j = (r + 1) % 3, l = (r + 2) % 3;
-            out[4 * r + c] = m[4 * i + j] * m[4 * k + l] - m[4 * i + l] * m[4 * k + j];
-        }
-    for (int c = 0; c < 3; ++c)
-        determinant += m[c] * out[4 * c];
-    for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c)
-            out[4 * r + c] /= determinant;
-        out[4 * r + 3] = -(out[4 * r] * m[3] + out[4 * r + 1] * m[7] + out[4 * r + 2] * m[11]);
-    }
-    for (int i = 0; i < 12; ++i)
-        if (!isfinite(out[i])) return false;
-    return true;
 }
 
 /* The joint's place in the pose: its bone's transform, after the joint has been put where it is at rest. */
@@ -73,7 +53,7 @@ sph_status sph_skeleton_get_locals(const sph_skeleton *skeleton, const double *t
         }
         world_of(skeleton, transforms, j, world);
         world_of(skeleton, transforms, parent, above);
-        if (!invert(above, inverse))
+        if (!sph__affine_invert(above, inverse))
             return sph__fail(skeleton->context, SPH_E_INVALID, "the transform of bone %u cannot be inverted",
                              (unsigned)parent);
         multiply(inverse, world, local);

@@ -36,6 +36,8 @@ typedef struct api_fixture {
     sph_skeleton *skeleton;
     sph_deformer *deformer;
     sph_progressive *progressive;
+    sph_implicit *implicit;
+    sph_tracker *tracker;
 } api_fixture;
 extern api_fixture fixture;
 

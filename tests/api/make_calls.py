@@ -54,6 +54,11 @@ def scalar(kind, name):
     return NUMBERS.get(kind)
 
 
+def is_filled(headers, struct):
+    """Plain numbers alone are made from memory."""
+    return "*" in headers.structs[struct] or "struct_size" in headers.structs[struct]
+
+
 def value(headers, kind, name):
     """An expression for an argument or a field, or None."""
     bare = kind.replace("const", "").replace(" ", "")
@@ -62,7 +67,7 @@ def value(headers, kind, name):
     if bare.endswith("**") and bare[:-2] == "char":
         return "names(r)"
     if bare in headers.structs:
-        return f"*fill_{bare}(r)"
+        return f"*fill_{bare}(r)" if is_filled(headers, bare) else None
     target = bare[:-1] if bare.endswith("*") else None
     if target == "char":
         return "text(r)"
@@ -72,7 +77,7 @@ def value(headers, kind, name):
         return f"pick(r, 8) == 0 ? NULL : fixture.{target[4:]}"
     if target in headers.callbacks or bare in headers.callbacks:
         return f"pick(r, 8) == 0 ? NULL : stub_{(target or bare)}"
-    if target in headers.structs and ("*" in headers.structs[target] or "struct_size" in headers.structs[target]):
+    if target in headers.structs and is_filled(headers, target):
         return f"pick(r, 8) == 0 ? NULL : fill_{target}(r)"
     if target is not None:
         return "pick(r, 8) == 0 ? NULL : scratch(r)"

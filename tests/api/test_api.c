@@ -99,13 +99,19 @@ void *room(size_t size)
 static void make_skin(void)
 {
     const sph_skin_source source = {.animation = fixture.animation};
+    sph_implicit_options implicit_options;
     sph_skin_options o;
     sph_skin_options_init(&o, sizeof o);
+    sph_implicit_options_init(&implicit_options, sizeof implicit_options);
+    implicit_options.table_size = 8;
+    implicit_options.sample_count = 8;
     o.round_limit = 1;
     ck_assert_int_eq(sph_skin_create(fixture.level, &source, 1, &o, &fixture.skin), SPH_OK);
     ck_assert_int_eq(sph_skeleton_create(fixture.skin, NULL, &fixture.skeleton), SPH_OK);
     ck_assert_int_eq(sph_deformer_create(fixture.skin, NULL, &fixture.deformer), SPH_OK);
     ck_assert_int_eq(sph_progressive_create(fixture.skin, NULL, &fixture.progressive), SPH_OK);
+    ck_assert_int_eq(sph_implicit_create(fixture.skin, &implicit_options, &fixture.implicit), SPH_OK);
+    ck_assert_int_eq(sph_tracker_create(fixture.implicit, fixture.skin, NULL, &fixture.tracker), SPH_OK);
 }
 
 static void set_up(void)
@@ -132,6 +138,8 @@ static void set_up(void)
 static void tear_down(void)
 {
     sph_progressive_destroy(fixture.progressive);
+    sph_tracker_destroy(fixture.tracker);
+    sph_implicit_destroy(fixture.implicit);
     sph_deformer_destroy(fixture.deformer);
     sph_skeleton_destroy(fixture.skeleton);
     sph_skin_destroy(fixture.skin);

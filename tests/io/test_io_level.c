@@ -311,8 +311,8 @@ START_TEST(a_sphm_file_tells_what_it_holds)
     ck_assert_int_eq(sph_io_identify(context, path, &kind), SPH_OK);
     ck_assert_int_eq(kind, SPH_IO_LEVEL);
     bytes = file_read(path, &size);
-    bytes[12] = 3;
-    ck_assert_int_eq(sph_io_identify(context, file_write("3.sphm", bytes, size), &kind), SPH_E_FORMAT);
+    bytes[12] = 4;
+    ck_assert_int_eq(sph_io_identify(context, file_write("4.sphm", bytes, size), &kind), SPH_E_FORMAT);
     bytes[12] = 1;
     ck_assert_int_eq(sph_io_identify(context, file_write("1.sphm", bytes, size), &kind), SPH_OK);
     ck_assert_int_eq(kind, SPH_IO_HIERARCHY);
