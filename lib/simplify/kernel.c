@@ -96,7 +96,7 @@ void sph__kernel_form(const sph__posed *u, const sph__posed *v, size_t stride, c
     form_clones(u, v, stride, transforms, transform_count, bones, anchor, room, form);
 }
 
-SPH__CLONES static double unite_clones(const sph__posed *u, const sph__posed *v, size_t stride, const float *center,
+SPH__CLONES static double unite_posed_clones(const sph__posed *u, const sph__posed *v, size_t stride, const float *center,
                                        float *block)
 {
     v8d constant = {0};
@@ -121,7 +121,7 @@ SPH__CLONES static double unite_clones(const sph__posed *u, const sph__posed *v,
 double sph__kernel_unite_posed(const sph__posed *u, const sph__posed *v, size_t stride, const float *center,
                                float *block)
 {
-    return unite_clones(u, v, stride, center, block);
+    return unite_posed_clones(u, v, stride, center, block);
 }
 
 SPH__CLONES static void place_clones(const double *transforms, uint32_t transform_count, size_t stride,
