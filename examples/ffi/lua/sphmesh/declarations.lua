@@ -245,30 +245,6 @@ typedef struct sph_inflation
   double volume_after;
 } sph_inflation;
 sph_status sph_coverage_inflate(const sph_animation *animation, const sph_level *level, const sph_inflation_options *options, sph_inflation *inflation, sph_level **out);
-typedef struct sph_measure_options
-{
-  uint32_t struct_size;
-  uint32_t flags;
-  uint32_t samples;
-  uint32_t seed;
-  uint32_t first_frame;
-  uint32_t frame_step;
-  uint32_t frame_limit;
-  uint32_t reserved0;
-} sph_measure_options;
-void sph_measure_options_init(sph_measure_options *options, size_t size);
-typedef struct sph_distances
-{
-  double hausdorff;
-  double mean12;
-  double mean21;
-  double max12;
-  double max21;
-  double area1;
-  double area2;
-} sph_distances;
-sph_status sph_measure_level(const sph_animation *animation, const sph_level *level, const sph_measure_options *options, sph_distances *mean, sph_distances *per_frame);
-sph_status sph_measure_meshes(const sph_animation *animation1, const sph_animation *animation2, const sph_measure_options *options, sph_distances *mean, sph_distances *per_frame);
 typedef struct sph_skin sph_skin;
 typedef struct sph_skin_clip
 {
@@ -386,6 +362,132 @@ sph_status sph_deformer_create(const sph_skin *skin, const sph_deformer_options 
 void sph_deformer_destroy(sph_deformer *deformer);
 sph_status sph_deformer_pose(sph_deformer *deformer, const double *transforms, size_t pose_count, int32_t method, float *positions, float *normals);
 sph_status sph_pose_from_spheres(const sph_skin *skin, const double *reference, const double *centers, double *transforms);
+typedef struct sph_implicit sph_implicit;
+typedef struct sph_tracker sph_tracker;
+enum 
+{
+  SPH_OPERATION_UNION = 0,
+  SPH_OPERATION_BLEND = 1,
+  SPH_OPERATION_BULGE = 2
+};
+enum 
+{
+  SPH_EVALUATION_TABLE = 0,
+  SPH_EVALUATION_EXACT = 1
+};
+typedef struct sph_theta_curve
+{
+  double angles[3];
+  double thetas[3];
+  double exponents[2];
+} sph_theta_curve;
+typedef struct sph_implicit_joint
+{
+  uint32_t struct_size;
+  int32_t operation;
+  uint32_t bones[2];
+  double position[3];
+  double strength;
+  sph_theta_curve curve;
+} sph_implicit_joint;
+typedef struct sph_implicit_options
+{
+  uint32_t struct_size;
+  uint32_t flags;
+  uint32_t sample_count;
+  int32_t operation;
+  uint32_t table_size;
+  uint32_t operator_table_size;
+  double joint_gap;
+  const uint32_t *parents;
+  const uint32_t *parts;
+  const sph_implicit_joint *joints;
+  size_t joint_count;
+} sph_implicit_options;
+void sph_implicit_options_init(sph_implicit_options *options, size_t size);
+sph_status sph_implicit_create(const sph_skin *skin, const sph_implicit_options *options, sph_implicit **out);
+void sph_implicit_destroy(sph_implicit *implicit);
+uint32_t sph_implicit_bone_count(const sph_implicit *implicit);
+uint32_t sph_implicit_joint_count(const sph_implicit *implicit);
+typedef struct sph_implicit_part
+{
+  uint32_t struct_size;
+  uint32_t vertex_count;
+  uint32_t sample_count;
+  uint32_t closing_count;
+  double radius;
+  double low[3];
+  double high[3];
+  const double *samples;
+  const double *normals;
+} sph_implicit_part;
+sph_status sph_implicit_get_part(const sph_implicit *implicit, uint32_t bone, sph_implicit_part *part);
+sph_status sph_implicit_get_joint(const sph_implicit *implicit, uint32_t index, sph_implicit_joint *joint);
+sph_status sph_implicit_set_joint(sph_implicit *implicit, uint32_t index, const sph_implicit_joint *joint);
+void sph_theta_curve_preset(sph_theta_curve *curve, int32_t operation);
+double sph_theta_curve_at(const sph_theta_curve *curve, double alpha);
+sph_status sph_operation_compose(int32_t operation, double strength, double theta, const double values[2], double *result, double slopes[2]);
+sph_status sph_implicit_distances(const sph_implicit *implicit, uint32_t bone, size_t count, const double *points, double *distances, double *gradients);
+sph_status sph_implicit_evaluate(const sph_implicit *implicit, const double *transforms, int32_t evaluation, size_t count, const double *points, double *values, double *gradients, uint32_t *bones);
+sph_status sph_implicit_write(const sph_implicit *implicit, sph_write_fn *write, void *user);
+sph_status sph_implicit_read(sph_context *context, const void *bytes, size_t size, sph_implicit **out);
+enum 
+{
+  SPH_TRACKER_UNGUARDED = 1,
+  SPH_TRACKER_UNSMOOTHED = 2
+};
+typedef struct sph_tracker_options
+{
+  uint32_t struct_size;
+  uint32_t flags;
+  int32_t method;
+  int32_t evaluation;
+  uint32_t iteration_limit;
+  uint32_t smoothing_rounds;
+  double step;
+  double contact_angle;
+  double tolerance;
+  double reach;
+} sph_tracker_options;
+void sph_tracker_options_init(sph_tracker_options *options, size_t size);
+sph_status sph_tracker_create(const sph_implicit *implicit, const sph_skin *skin, const sph_tracker_options *options, sph_tracker **out);
+void sph_tracker_destroy(sph_tracker *tracker);
+typedef struct sph_tracker_report
+{
+  uint32_t moved;
+  uint32_t contacts;
+  uint32_t held_back;
+  uint32_t reserved0;
+  double farthest;
+  uint64_t pairs_before;
+  uint64_t pairs_after;
+} sph_tracker_report;
+sph_status sph_tracker_pose(sph_tracker *tracker, const double *transforms, size_t pose_count, float *positions, float *normals, sph_tracker_report *reports);
+sph_status sph_mesh_intersections(sph_context *context, uint32_t vertex_count, const float *positions, size_t triangle_count, const uint32_t *triangles, uint64_t *pairs);
+typedef struct sph_measure_options
+{
+  uint32_t struct_size;
+  uint32_t flags;
+  uint32_t samples;
+  uint32_t seed;
+  uint32_t first_frame;
+  uint32_t frame_step;
+  uint32_t frame_limit;
+  uint32_t reserved0;
+} sph_measure_options;
+void sph_measure_options_init(sph_measure_options *options, size_t size);
+typedef struct sph_distances
+{
+  double hausdorff;
+  double mean12;
+  double mean21;
+  double max12;
+  double max21;
+  double area1;
+  double area2;
+} sph_distances;
+sph_status sph_measure_level(const sph_animation *animation, const sph_level *level, const sph_measure_options *options, sph_distances *mean, sph_distances *per_frame);
+sph_status sph_measure_meshes(const sph_animation *animation1, const sph_animation *animation2, const sph_measure_options *options, sph_distances *mean, sph_distances *per_frame);
 typedef struct sph_quadric sph_quadric;
 typedef struct sph_quadric_minimum
 {
@@ -628,6 +730,14 @@ typedef struct sph_io_rig_arrays
 } sph_io_rig_arrays;
 sph_status sph_io_rig_get_arrays(const sph_io_rig *rig, sph_io_rig_arrays *arrays);
 sph_status sph_io_save_mesh(sph_context *context, uint32_t vertex_count, const float *positions, const float *normals, size_t triangle_count, const uint32_t *triangles, const char *path);
+sph_status sph_io_save_implicit(sph_context *context, const sph_implicit *implicit, const char *path);
+sph_status sph_io_load_implicit(sph_context *context, const char *path, sph_implicit **out);
+typedef struct sph_io_rig_levels sph_io_rig_levels;
+sph_status sph_io_open_rig_levels(sph_context *context, const char *path, const sph_io_open_rig_options *rig, const sph_simplify_options *options, sph_io_rig_levels **out);
+void sph_io_rig_levels_destroy(sph_io_rig_levels *levels);
+const sph_progressive *sph_io_rig_levels_progressive(const sph_io_rig_levels *levels);
+const sph_io_rig *sph_io_rig_levels_rig(const sph_io_rig_levels *levels);
+sph_status sph_io_rig_levels_save(const sph_io_rig_levels *levels, const uint32_t *level_numbers, size_t level_count, const char *path);
 typedef struct sph_io_spill sph_io_spill;
 typedef struct sph_io_spill_options
 {
@@ -737,7 +847,8 @@ sph_status sph_io_save_obj_mdd(sph_context *context, const sph_animation *animat
 enum 
 {
   SPH_IO_HIERARCHY = 1,
-  SPH_IO_LEVEL = 2
+  SPH_IO_LEVEL = 2,
+  SPH_IO_IMPLICIT = 3
 };
 sph_status sph_io_identify(sph_context *context, const char *path, int32_t *kind);
 sph_status sph_io_save_hierarchy(sph_context *context, const sph_hierarchy *hierarchy, const char *path);
@@ -797,6 +908,7 @@ typedef struct sph_io_export_report
 } sph_io_export_report;
 sph_status sph_io_export_level(sph_context *context, const sph_level *level, const char *path, const sph_io_export_options *options, sph_io_export_report *report);]]
 declarations.constants = {
+  SPH_BULGE_LIMIT = 0.5,
   SPH_IO_SPILL_LEAST = 16777216,
   SPH_NO_JOINT = 4294967295,
   SPH_NO_SPHERE = 4294967295,
@@ -820,14 +932,20 @@ declarations.structs = {
   "sph_coverage",
   "sph_inflation_options",
   "sph_inflation",
-  "sph_measure_options",
-  "sph_distances",
   "sph_skin_clip",
   "sph_skin_arrays",
   "sph_skin_options",
   "sph_skin_source",
   "sph_skin_error",
   "sph_deformer_options",
+  "sph_theta_curve",
+  "sph_implicit_joint",
+  "sph_implicit_options",
+  "sph_implicit_part",
+  "sph_tracker_options",
+  "sph_tracker_report",
+  "sph_measure_options",
+  "sph_distances",
   "sph_quadric_minimum",
   "sph_query_options",
   "sph_contact",

@@ -39,6 +39,13 @@ SPH_SKIN_STEP_REST = 3
 SPH_SKIN_STEP_AHEAD = 4
 SPH_POSE_LINEAR = 0
 SPH_POSE_DUAL_QUATERNION = 1
+SPH_OPERATION_UNION = 0
+SPH_OPERATION_BLEND = 1
+SPH_OPERATION_BULGE = 2
+SPH_EVALUATION_TABLE = 0
+SPH_EVALUATION_EXACT = 1
+SPH_TRACKER_UNGUARDED = 1
+SPH_TRACKER_UNSMOOTHED = 2
 SPH_SEARCH_AUTO = 0
 SPH_SEARCH_EXHAUSTIVE = 1
 SPH_SEARCH_TREE = 2
@@ -66,6 +73,7 @@ SPH_IO_SPACE_LOCAL = 0
 SPH_IO_SPACE_WORLD = 1
 SPH_IO_HIERARCHY = 1
 SPH_IO_LEVEL = 2
+SPH_IO_IMPLICIT = 3
 SPH_IO_WEIGHTS_FLOAT = 0
 SPH_IO_WEIGHTS_U8 = 1
 SPH_IO_WEIGHTS_U16 = 2
@@ -76,6 +84,7 @@ SPH_IO_EXPORT_SRDF = 3
 SPH_IO_EXPORT_YAML = 4
 SPH_IO_EXPORT_URDF = 5
 SPH_IO_EXPORT_GLB = 6
+SPH_BULGE_LIMIT = 0.5
 SPH_IO_SPILL_LEAST = 16777216
 SPH_NO_JOINT = 4294967295
 SPH_NO_SPHERE = 4294967295
@@ -245,31 +254,6 @@ class sph_inflation(c.Structure):
     ]
 
 
-class sph_measure_options(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("flags", c.c_uint32),
-        ("samples", c.c_uint32),
-        ("seed", c.c_uint32),
-        ("first_frame", c.c_uint32),
-        ("frame_step", c.c_uint32),
-        ("frame_limit", c.c_uint32),
-        ("reserved0", c.c_uint32),
-    ]
-
-
-class sph_distances(c.Structure):
-    _fields_ = [
-        ("hausdorff", c.c_double),
-        ("mean12", c.c_double),
-        ("mean21", c.c_double),
-        ("max12", c.c_double),
-        ("max21", c.c_double),
-        ("area1", c.c_double),
-        ("area2", c.c_double),
-    ]
-
-
 class sph_skin_clip(c.Structure):
     _fields_ = [
         ("name", c.c_char_p),
@@ -356,6 +340,107 @@ class sph_deformer_options(c.Structure):
         ("struct_size", c.c_uint32),
         ("flags", c.c_uint32),
         ("normals", c.c_void_p),
+    ]
+
+
+class sph_theta_curve(c.Structure):
+    _fields_ = [
+        ("angles", c.c_double * 3),
+        ("thetas", c.c_double * 3),
+        ("exponents", c.c_double * 2),
+    ]
+
+
+class sph_implicit_joint(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("operation", c.c_int32),
+        ("bones", c.c_uint32 * 2),
+        ("position", c.c_double * 3),
+        ("strength", c.c_double),
+        ("curve", sph_theta_curve),
+    ]
+
+
+class sph_implicit_options(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("flags", c.c_uint32),
+        ("sample_count", c.c_uint32),
+        ("operation", c.c_int32),
+        ("table_size", c.c_uint32),
+        ("operator_table_size", c.c_uint32),
+        ("joint_gap", c.c_double),
+        ("parents", c.c_void_p),
+        ("parts", c.c_void_p),
+        ("joints", c.POINTER(sph_implicit_joint)),
+        ("joint_count", c.c_size_t),
+    ]
+
+
+class sph_implicit_part(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("vertex_count", c.c_uint32),
+        ("sample_count", c.c_uint32),
+        ("closing_count", c.c_uint32),
+        ("radius", c.c_double),
+        ("low", c.c_double * 3),
+        ("high", c.c_double * 3),
+        ("samples", c.c_void_p),
+        ("normals", c.c_void_p),
+    ]
+
+
+class sph_tracker_options(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("flags", c.c_uint32),
+        ("method", c.c_int32),
+        ("evaluation", c.c_int32),
+        ("iteration_limit", c.c_uint32),
+        ("smoothing_rounds", c.c_uint32),
+        ("step", c.c_double),
+        ("contact_angle", c.c_double),
+        ("tolerance", c.c_double),
+        ("reach", c.c_double),
+    ]
+
+
+class sph_tracker_report(c.Structure):
+    _fields_ = [
+        ("moved", c.c_uint32),
+        ("contacts", c.c_uint32),
+        ("held_back", c.c_uint32),
+        ("reserved0", c.c_uint32),
+        ("farthest", c.c_double),
+        ("pairs_before", c.c_uint64),
+        ("pairs_after", c.c_uint64),
+    ]
+
+
+class sph_measure_options(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("flags", c.c_uint32),
+        ("samples", c.c_uint32),
+        ("seed", c.c_uint32),
+        ("first_frame", c.c_uint32),
+        ("frame_step", c.c_uint32),
+        ("frame_limit", c.c_uint32),
+        ("reserved0", c.c_uint32),
+    ]
+
+
+class sph_distances(c.Structure):
+    _fields_ = [
+        ("hausdorff", c.c_double),
+        ("mean12", c.c_double),
+        ("mean21", c.c_double),
+        ("max12", c.c_double),
+        ("max21", c.c_double),
+        ("area1", c.c_double),
+        ("area2", c.c_double),
     ]
 
 
@@ -669,14 +754,20 @@ STRUCTS: List[Any] = [
     sph_coverage,
     sph_inflation_options,
     sph_inflation,
-    sph_measure_options,
-    sph_distances,
     sph_skin_clip,
     sph_skin_arrays,
     sph_skin_options,
     sph_skin_source,
     sph_skin_error,
     sph_deformer_options,
+    sph_theta_curve,
+    sph_implicit_joint,
+    sph_implicit_options,
+    sph_implicit_part,
+    sph_tracker_options,
+    sph_tracker_report,
+    sph_measure_options,
+    sph_distances,
     sph_quadric_minimum,
     sph_query_options,
     sph_contact,
@@ -771,9 +862,6 @@ PROTOTYPES: Dict[str, Tuple[Any, List[Any]]] = {
     "sph_coverage_measure": (c.c_int32, [c.c_void_p, c.c_void_p, c.POINTER(sph_coverage)]),
     "sph_inflation_options_init": (None, [c.POINTER(sph_inflation_options), c.c_size_t]),
     "sph_coverage_inflate": (c.c_int32, [c.c_void_p, c.c_void_p, c.POINTER(sph_inflation_options), c.POINTER(sph_inflation), c.POINTER(c.c_void_p)]),
-    "sph_measure_options_init": (None, [c.POINTER(sph_measure_options), c.c_size_t]),
-    "sph_measure_level": (c.c_int32, [c.c_void_p, c.c_void_p, c.POINTER(sph_measure_options), c.POINTER(sph_distances), c.POINTER(sph_distances)]),
-    "sph_measure_meshes": (c.c_int32, [c.c_void_p, c.c_void_p, c.POINTER(sph_measure_options), c.POINTER(sph_distances), c.POINTER(sph_distances)]),
     "sph_skin_create_from_arrays": (c.c_int32, [c.c_void_p, c.POINTER(sph_skin_arrays), c.POINTER(c.c_void_p)]),
     "sph_skin_options_init": (None, [c.POINTER(sph_skin_options), c.c_size_t]),
     "sph_skin_create": (c.c_int32, [c.c_void_p, c.POINTER(sph_skin_source), c.c_size_t, c.POINTER(sph_skin_options), c.POINTER(c.c_void_p)]),
@@ -790,6 +878,29 @@ PROTOTYPES: Dict[str, Tuple[Any, List[Any]]] = {
     "sph_deformer_destroy": (None, [c.c_void_p]),
     "sph_deformer_pose": (c.c_int32, [c.c_void_p, c.c_void_p, c.c_size_t, c.c_int32, c.c_void_p, c.c_void_p]),
     "sph_pose_from_spheres": (c.c_int32, [c.c_void_p, c.c_void_p, c.c_void_p, c.c_void_p]),
+    "sph_implicit_options_init": (None, [c.POINTER(sph_implicit_options), c.c_size_t]),
+    "sph_implicit_create": (c.c_int32, [c.c_void_p, c.POINTER(sph_implicit_options), c.POINTER(c.c_void_p)]),
+    "sph_implicit_destroy": (None, [c.c_void_p]),
+    "sph_implicit_bone_count": (c.c_uint32, [c.c_void_p]),
+    "sph_implicit_joint_count": (c.c_uint32, [c.c_void_p]),
+    "sph_implicit_get_part": (c.c_int32, [c.c_void_p, c.c_uint32, c.POINTER(sph_implicit_part)]),
+    "sph_implicit_get_joint": (c.c_int32, [c.c_void_p, c.c_uint32, c.POINTER(sph_implicit_joint)]),
+    "sph_implicit_set_joint": (c.c_int32, [c.c_void_p, c.c_uint32, c.POINTER(sph_implicit_joint)]),
+    "sph_theta_curve_preset": (None, [c.POINTER(sph_theta_curve), c.c_int32]),
+    "sph_theta_curve_at": (c.c_double, [c.POINTER(sph_theta_curve), c.c_double]),
+    "sph_operation_compose": (c.c_int32, [c.c_int32, c.c_double, c.c_double, c.c_void_p, c.c_void_p, c.c_void_p]),
+    "sph_implicit_distances": (c.c_int32, [c.c_void_p, c.c_uint32, c.c_size_t, c.c_void_p, c.c_void_p, c.c_void_p]),
+    "sph_implicit_evaluate": (c.c_int32, [c.c_void_p, c.c_void_p, c.c_int32, c.c_size_t, c.c_void_p, c.c_void_p, c.c_void_p, c.c_void_p]),
+    "sph_implicit_write": (c.c_int32, [c.c_void_p, sph_write_fn, c.c_void_p]),
+    "sph_implicit_read": (c.c_int32, [c.c_void_p, c.c_void_p, c.c_size_t, c.POINTER(c.c_void_p)]),
+    "sph_tracker_options_init": (None, [c.POINTER(sph_tracker_options), c.c_size_t]),
+    "sph_tracker_create": (c.c_int32, [c.c_void_p, c.c_void_p, c.POINTER(sph_tracker_options), c.POINTER(c.c_void_p)]),
+    "sph_tracker_destroy": (None, [c.c_void_p]),
+    "sph_tracker_pose": (c.c_int32, [c.c_void_p, c.c_void_p, c.c_size_t, c.c_void_p, c.c_void_p, c.POINTER(sph_tracker_report)]),
+    "sph_mesh_intersections": (c.c_int32, [c.c_void_p, c.c_uint32, c.c_void_p, c.c_size_t, c.c_void_p, c.c_void_p]),
+    "sph_measure_options_init": (None, [c.POINTER(sph_measure_options), c.c_size_t]),
+    "sph_measure_level": (c.c_int32, [c.c_void_p, c.c_void_p, c.POINTER(sph_measure_options), c.POINTER(sph_distances), c.POINTER(sph_distances)]),
+    "sph_measure_meshes": (c.c_int32, [c.c_void_p, c.c_void_p, c.POINTER(sph_measure_options), c.POINTER(sph_distances), c.POINTER(sph_distances)]),
     "sph_quadric_create": (c.c_int32, [c.c_void_p, c.c_uint32, c.POINTER(c.c_void_p)]),
     "sph_quadric_destroy": (None, [c.c_void_p]),
     "sph_quadric_frame_count": (c.c_uint32, [c.c_void_p]),
@@ -849,6 +960,13 @@ PROTOTYPES: Dict[str, Tuple[Any, List[Any]]] = {
     "sph_io_rig_skin": (c.c_void_p, [c.c_void_p]),
     "sph_io_rig_get_arrays": (c.c_int32, [c.c_void_p, c.POINTER(sph_io_rig_arrays)]),
     "sph_io_save_mesh": (c.c_int32, [c.c_void_p, c.c_uint32, c.c_void_p, c.c_void_p, c.c_size_t, c.c_void_p, c.c_char_p]),
+    "sph_io_save_implicit": (c.c_int32, [c.c_void_p, c.c_void_p, c.c_char_p]),
+    "sph_io_load_implicit": (c.c_int32, [c.c_void_p, c.c_char_p, c.POINTER(c.c_void_p)]),
+    "sph_io_open_rig_levels": (c.c_int32, [c.c_void_p, c.c_char_p, c.POINTER(sph_io_open_rig_options), c.POINTER(sph_simplify_options), c.POINTER(c.c_void_p)]),
+    "sph_io_rig_levels_destroy": (None, [c.c_void_p]),
+    "sph_io_rig_levels_progressive": (c.c_void_p, [c.c_void_p]),
+    "sph_io_rig_levels_rig": (c.c_void_p, [c.c_void_p]),
+    "sph_io_rig_levels_save": (c.c_int32, [c.c_void_p, c.c_void_p, c.c_size_t, c.c_char_p]),
     "sph_io_spill_options_init": (None, [c.POINTER(sph_io_spill_options), c.c_size_t]),
     "sph_io_spill_create": (c.c_int32, [c.c_void_p, c.POINTER(sph_io_spill_options), c.POINTER(c.c_void_p)]),
     "sph_io_spill_destroy": (None, [c.c_void_p]),
