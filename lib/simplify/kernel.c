@@ -97,7 +97,7 @@ void sph__kernel_form(const sph__posed *u, const sph__posed *v, size_t stride, c
 }
 
 SPH__CLONES static double unite_posed_clones(const sph__posed *u, const sph__posed *v, size_t stride, const float *center,
-                                       float *block)
+                                             float *block)
 {
     v8d constant = {0};
     for (size_t i = 0; i < stride; i += LANES) {
