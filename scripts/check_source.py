@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """What neither a compiler nor a formatter sees: banned calls, who includes whom, licence lines, long files, links.
 
-    check_source.py calls|includes|licence|length|headers|links      one line per finding; exit 1 when there is one
+    check_source.py calls|includes|clones|licence|length|headers|links      one line per finding; exit 1 when there is one
 """
 import pathlib
 import re
@@ -65,6 +65,16 @@ def includes():
                 yield where
 
 
+def clones():
+    """clang gives the resolver of a static function with clones a global name: no two may have the same."""
+    seen = {}
+    for path, name in files("lib"):
+        for match in re.finditer(r"\bSPH__CLONES\s+static\s+[^(;]*?(\w+)\(", code_of(path)):
+            if match[1] in seen:
+                yield f"{name}: {match[1]} is also in {seen[match[1]]}"
+            seen[match[1]] = name
+
+
 def licence():
     for path, name in files("include", "lib", "src", "tests", "examples"):
         if "SPDX-License-Identifier: MIT" not in path.read_text().split("\n", 1)[0]:
@@ -98,7 +108,7 @@ def links():
                 yield f"{page.relative_to(ROOT)}: no {target}"
 
 
-CHECKS = {f.__name__: f for f in (calls, includes, licence, length, headers, links)}
+CHECKS = {f.__name__: f for f in (calls, includes, clones, licence, length, headers, links)}
 
 if __name__ == "__main__":
     if len(sys.argv) != 2 or sys.argv[1] not in CHECKS:

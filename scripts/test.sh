@@ -199,6 +199,7 @@ if wanted source; then
     say "source"
     check "lib/ calls nothing that prints, ends the process or allocates past the context" scripts/check_source.py calls
     check "includes point one way" scripts/check_source.py includes
+    check "kernels with clones have names of their own" scripts/check_source.py clones
     check "every file names its licence" scripts/check_source.py licence
     check "every public header is installed" scripts/check_source.py headers
     check "every link of the documentation leads somewhere" scripts/check_source.py links

@@ -109,7 +109,7 @@ void sph__field_table(const sph__field *field, const sph__placed *placed, size_t
     table_clones(field, placed->inverse, count, points, out);
 }
 
-SPH__CLONES static void distances_clones(const sph__field *field, const double points[3][8], double out[4][8])
+SPH__CLONES static void field_distances_clones(const sph__field *field, const double points[3][8], double out[4][8])
 {
     const double per = 1 / field->scale;
     const sph__v8d px = (*(const sph__v8d *)points[0] - field->origin[0]) * per;
@@ -125,7 +125,7 @@ SPH__CLONES static void distances_clones(const sph__field *field, const double p
 
 void sph__field_distances(const sph__field *field, const sph__eight *points, sph__eight *out)
 {
-    distances_clones(field, (const double(*)[8])points->rows, out->rows);
+    field_distances_clones(field, (const double(*)[8])points->rows, out->rows);
 }
 
 void sph__field_distance(const sph__field *field, const double point[3], double *distance, double gradient[3])
