@@ -179,6 +179,9 @@ SPH_API sph_status sph_progressive_create_cursor(const sph_progressive *progress
 SPH_API uint32_t sph_progressive_point_count(const sph_progressive *progressive);
 /** @brief k: slots of a point's bones and weights; 0 for NULL. @since 0.1 */
 SPH_API uint32_t sph_progressive_influence_count(const sph_progressive *progressive);
+/** @brief C: numbers per vertex in the attributes, which size those of sph_progressive_get_attributes(); 0 for NULL.
+ *  @since 0.1 */
+SPH_API uint32_t sph_progressive_attribute_count(const sph_progressive *progressive);
 
 /**
  * @brief A point of any level.

@@ -28,6 +28,11 @@ uint32_t sph_progressive_influence_count(const sph_progressive *p)
     return p == NULL ? 0 : p->slots;
 }
 
+uint32_t sph_progressive_attribute_count(const sph_progressive *p)
+{
+    return p == NULL ? 0 : p->attribute_count;
+}
+
 static sph_status check_level(const sph_progressive *p, uint32_t level)
 {
     if (level <= p->collapse_count) return SPH_OK;

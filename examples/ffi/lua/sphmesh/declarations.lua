@@ -634,6 +634,7 @@ sph_status sph_progressive_get_attributes(const sph_progressive *progressive, ui
 sph_status sph_progressive_create_cursor(const sph_progressive *progressive, sph_cursor **out);
 uint32_t sph_progressive_point_count(const sph_progressive *progressive);
 uint32_t sph_progressive_influence_count(const sph_progressive *progressive);
+uint32_t sph_progressive_attribute_count(const sph_progressive *progressive);
 sph_status sph_progressive_point(const sph_progressive *progressive, uint32_t point, float rest[3], uint32_t *bones, float *weights);
 typedef struct sph_skeleton sph_skeleton;
 enum 

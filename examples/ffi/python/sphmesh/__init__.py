@@ -12,7 +12,7 @@ Python's lock is free while the library works, and Ctrl-C cancels it.
 """
 from ._abi import SPH_NO_JOINT as NO_JOINT
 from ._abi import SPH_NO_SPHERE as NO_SPHERE
-from ._arrays import COLLAPSE, CONTACT, DISTANCES, HIT, NEAREST, SKIN_ERROR, SWEEP
+from ._arrays import COLLAPSE, CONTACT, DISTANCES, HIT, NEAREST, SKIN_ERROR, SWEEP, TRACKER_REPORT
 from ._calls import Context, Record, default_context
 from ._library import lib
 from .animation import Animation, open_animation
@@ -20,10 +20,12 @@ from .errors import (CancelledError, FormatError, InputOutputError, InvalidError
                      SphmeshError, StateError, UnsupportedError, VersionError)
 from .files import SpillingContext, describe, load
 from .hierarchy import Cursor, Hierarchy
+from .implicit import NO_BONE, Curve, Field, Implicit, Joint, Part, TrackedPose, Tracker, compose, intersections
 from .level import Level
 from .measure import Measurement, measure_level, measure_meshes
 from .pose import Deformer, Pose, Skeleton
 from .query import Query, sweeps
+from .simplify import Attributes, Progressive, RigLevels
 from .skin import Clip, Skin
 from .surface import Mesh, Surface
 

@@ -936,6 +936,7 @@ PROTOTYPES: Dict[str, Tuple[Any, List[Any]]] = {
     "sph_progressive_create_cursor": (c.c_int32, [c.c_void_p, c.POINTER(c.c_void_p)]),
     "sph_progressive_point_count": (c.c_uint32, [c.c_void_p]),
     "sph_progressive_influence_count": (c.c_uint32, [c.c_void_p]),
+    "sph_progressive_attribute_count": (c.c_uint32, [c.c_void_p]),
     "sph_progressive_point": (c.c_int32, [c.c_void_p, c.c_uint32, c.c_void_p, c.c_void_p, c.c_void_p]),
     "sph_skeleton_options_init": (None, [c.POINTER(sph_skeleton_options), c.c_size_t]),
     "sph_skeleton_create": (c.c_int32, [c.c_void_p, c.POINTER(sph_skeleton_options), c.POINTER(c.c_void_p)]),

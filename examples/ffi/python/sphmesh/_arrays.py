@@ -21,6 +21,7 @@ NEAREST = np.dtype(_abi.sph_nearest)  #: what nearest() answers
 CONTACT = np.dtype(_abi.sph_contact)  #: a place on a level
 COLLAPSE = np.dtype(_abi.sph_collapse)  #: one step of a hierarchy
 DISTANCES = np.dtype(_abi.sph_distances)  #: what measure() tells of each frame
+TRACKER_REPORT = np.dtype(_abi.sph_tracker_report)  #: what Tracker.pose() did to each pose
 SKIN_ERROR = np.dtype(_abi.sph_skin_error)  #: what Skin.errors() tells of each frame
 
 

@@ -10,11 +10,12 @@ from ._calls import Context, Handle, Progress, Record, default_context, options,
 from ._library import lib
 from .animation import PathLike, encoded
 from .hierarchy import Hierarchy
+from .implicit import Implicit
 from .level import Level
 
 
-def load(path: PathLike, *, context: Optional[Context] = None) -> Union[Hierarchy, Level]:
-    """Reads a .sphm file, whichever of the two it holds, or the .json of a level."""
+def load(path: PathLike, *, context: Optional[Context] = None) -> Union[Hierarchy, Level, Implicit]:
+    """Reads a .sphm file, whatever it holds, or the .json of a level."""
     context = context or default_context()
     if encoded(path).lower().endswith(b".json"):
         return Level.load(path, context=context)
@@ -22,6 +23,8 @@ def load(path: PathLike, *, context: Optional[Context] = None) -> Union[Hierarch
     context.run(lib.sph_io_identify, context._handle.pointer, encoded(path), ctypes.byref(kind))
     if kind.value == _abi.SPH_IO_HIERARCHY:
         return Hierarchy.load(path, context=context)
+    if kind.value == _abi.SPH_IO_IMPLICIT:
+        return Implicit.load(path, context=context)
     return Level.load(path, context=context)
 
 

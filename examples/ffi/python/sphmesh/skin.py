@@ -16,7 +16,9 @@ from .animation import Animation, PathLike, encoded
 from .level import Level
 
 if TYPE_CHECKING:
+    from .implicit import Implicit
     from .pose import Deformer, Skeleton
+    from .simplify import Progressive
 
 STEPS = {getattr(_abi, name): name[14:].lower() for name in vars(_abi) if name.startswith("SPH_SKIN_STEP_")}
 Step = Callable[[int, str, float], Any]
@@ -163,12 +165,11 @@ class Skin(Owned):
              context: Optional[Context] = None) -> Skin:
         """Reads the skinned mesh of a glTF: its rest pose, weights, and its joints' transforms in every frame."""
         context = context or default_context()
-        how = options(_abi.sph_io_open_rig_options, clip=None if clip is None else clip.encode(), fps=fps,
-                      first_frame=first_frame, end_frame=end_frame, frame_step=frame_step)
+        how = open_rig_options(clip, fps, first_frame, end_frame, frame_step)
         pointer = context.make(lib.sph_io_open_rig, context._handle.pointer, encoded(path), ctypes.byref(how),
                                progress=progress)
         rig = Handle(pointer, lib.sph_io_rig_destroy, context._handle)
-        return cls._own(context, lib.sph_io_rig_skin(pointer), _nothing, rig)
+        return cls._own(context, lib.sph_io_rig_skin(pointer), nothing, rig)
 
     def save(self, path: PathLike, *, weights: str = "float", fps: float = 30, skeleton: Optional[Skeleton] = None,
              progress: Optional[Progress] = None) -> None:
@@ -282,6 +283,18 @@ class Skin(Owned):
 
         return Skeleton(self, **how)
 
+    def simplified(self, **how: Any) -> Progressive:
+        """Levels of detail of the mesh, on the same bones: see Progressive."""
+        from .simplify import Progressive
+
+        return Progressive(self, **how)
+
+    def implicit(self, **how: Any) -> Implicit:
+        """The solids of the skin's parts, which correct poses: see Implicit."""
+        from .implicit import Implicit
+
+        return Implicit(self, **how)
+
     def deformer(self, normals: Optional[ArrayLike] = None) -> Deformer:
         """What moves the vertices to new poses: see Deformer."""
         from .pose import Deformer
@@ -301,7 +314,13 @@ class Skin(Owned):
         return out
 
 
-def _nothing(pointer: int) -> None:
+def open_rig_options(clip: Optional[str], fps: float, first_frame: int, end_frame: int, frame_step: int) -> Any:
+    """Which frames of a glTF."""
+    return options(_abi.sph_io_open_rig_options, clip=None if clip is None else clip.encode(), fps=fps,
+                   first_frame=first_frame, end_frame=end_frame, frame_step=frame_step)
+
+
+def nothing(pointer: int) -> None:
     """For a handle that belongs to another."""
 
 
