@@ -33,6 +33,9 @@ if missing:
 
 # Links of the page are as seen from docs/; the site begins above it.
 page = re.sub(r"\]\((?!https?:|#|\.\./)([^)]+)\)", r"](docs/\1)", page).replace("](../", "](")
+for other in ("CONTRIBUTING.md", "NEWS.md"):
+    text = (top / other).read_text(encoding="utf-8")
+    (top / other).write_text(text.replace("](docs/README.md)", "](index.md)"), encoding="utf-8")
 (top / "index.md").write_text(page + trees, encoding="utf-8")
 
 interface = docs / "interface"
