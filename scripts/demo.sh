@@ -9,7 +9,9 @@ if [ -f build-demo/build.ninja ]; then
     meson setup --reconfigure build-demo
 else
     rm -rf build-demo
-    meson setup build-demo --buildtype=release -Doptimization=3 -Dtests=disabled -Dprogram=enabled
+    # Without dpkg-dev, Meson takes Debian for a system with lib64, where pkg-config and the loader do not look.
+    meson setup build-demo --buildtype=release -Doptimization=3 -Dtests=disabled -Dbenches=disabled -Dprogram=enabled \
+        --libdir=lib
 fi
 ninja -C build-demo src/sphmesh
 build-demo/src/sphmesh demo -o demo-output "$@"

@@ -49,8 +49,8 @@ def environment(work):
     libraries = f"{BUILD}/lib:{BUILD}/lib/io"
     return dict(os.environ, PATH=f"{work}/bin:{BUILD}/src:{BUILD}/examples:" + os.environ["PATH"], LC_ALL="C.UTF-8",
                 LD_LIBRARY_PATH=libraries, PKG_CONFIG_PATH=f"{BUILD}/meson-uninstalled", PYTHONPATH=str(PYTHON),
-                LUA_PATH=f"{LUA}/?.lua;;", SPHMESH_LIBRARY=f"{BUILD}/lib/io/libsphmesh-io.so", PYTHONDONTWRITEBYTECODE="1",
-                SPHMESH_SOURCE=str(SOURCE))
+                LUA_PATH=f"{LUA}/?.lua;{LUA}/?/init.lua;;", SPHMESH_LIBRARY_PATH=f"{BUILD}/lib",
+                PYTHONDONTWRITEBYTECODE="1")
 
 
 def run(command, folder, text=None):
@@ -90,10 +90,14 @@ def converse(body, folder):
             raise Wrong(f"{command}prints\n{done.stdout}")
 
 
-def python_needs(body):
-    """The modules that a block imports and that are not there."""
-    names = re.findall(r"^(?:import|from) (\w+)", body, re.M)
-    return [n for n in names if run([sys.executable, "-c", f"import {n}"], WORK).returncode != 0]
+def run_python(body, folder):
+    """With a Python that has the modules which the block imports."""
+    names = [n for line in re.findall(r"^(?:import|from) ([^\n;]+)", body, re.M)
+             for n in re.findall(r"(?:^|, )(\w+)", line.split(" import ")[0])]
+    for python in (sys.executable, "/usr/bin/python3"):  # another one may come first on the path
+        if run([python, "-c", f"import {', '.join(names or ['sys'])}"], WORK).returncode == 0:
+            return must([python, "-"], folder, body)
+    raise Skipped(f"no Python here has {', '.join(names)}")
 
 
 def check(block, where, folder):
@@ -107,9 +111,7 @@ def check(block, where, folder):
     elif kind == "console":
         converse(body, folder)
     elif kind == "python":
-        if python_needs(body):
-            raise Skipped("no " + ", ".join(python_needs(body)))
-        must([sys.executable, "-"], folder, body)
+        run_python(body, folder)
     elif kind == "lua":
         if shutil.which("luajit") is None or not LUA.is_dir():
             raise Skipped("needs LuaJIT")
@@ -122,7 +124,8 @@ def check(block, where, folder):
 
 def main():
     loose = re.compile(r"^[ \t]+```", re.M)
-    pages = [pathlib.Path(p).resolve() for p in sys.argv[3:]] or [SOURCE / "README.md", *sorted((SOURCE / "docs").rglob("*.md"))]
+    pages = [pathlib.Path(p).resolve() for p in sys.argv[3:]] or [SOURCE / "README.md", *sorted((SOURCE / "docs").rglob("*.md")),
+                                                                *sorted((SOURCE / "examples").rglob("*.md"))]
     number = failures = 0
     for page in pages:
         text, folder = page.read_text(encoding="utf-8"), None

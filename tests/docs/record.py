@@ -20,7 +20,7 @@ END = "--- end of command"
 def run(shell, command):
     """Output, exit status and seconds."""
     started = time.monotonic()
-    shell.stdin.write(f"{command}\necho; echo '{END}' $?\n")
+    shell.stdin.write(f"{command}\nstatus=$?; echo; echo '{END}' $status\n")
     shell.stdin.flush()
     lines = []
     for line in shell.stdout:
