@@ -58,7 +58,7 @@ def main():
         return "\n".join(out + ["```"])
 
     text = re.sub(r"^```console\n(.*?)^```$", record, page.read_text(encoding="utf-8"), flags=re.M | re.S)
-    text = re.sub(r"(?<=All commands together took )[^.\n]*", f"{total / 60:.0f} min {total % 60:.0f} s", text)
+    text = re.sub(r"(?<=All commands together took )[^.\n]*", f"{total // 60:.0f} min {total % 60:.0f} s", text)
     page.write_text(text, encoding="utf-8")
     print(f"{total:.0f} s, {len(failed)} failed")
     return 1 if failed else 0
