@@ -135,9 +135,13 @@ consumer_of_cmake() {
     (cd "$work/walk" && LD_LIBRARY_PATH=$stage/usr/lib "$out/consumer")
 }
 
-# The Python package, with nothing but the loader's own search.
+# The Python package, with nothing but the loader's own search, in the first Python that has NumPy.
 python_finds() {
-    LD_LIBRARY_PATH=$work/stage-shared/usr/lib PYTHONPATH=examples/ffi/python PYTHONDONTWRITEBYTECODE=1 python3 -c \
+    local python
+    for python in python3 /usr/bin/python3; do
+        $python -c 'import numpy' 2>/dev/null && break
+    done
+    LD_LIBRARY_PATH=$work/stage-shared/usr/lib PYTHONPATH=examples/ffi/python PYTHONDONTWRITEBYTECODE=1 $python -c \
         'import sphmesh; sphmesh.Level([[0, 0, 0]], [1]).save("'"$work"'/one.json"); print(sphmesh.library_version())'
 }
 

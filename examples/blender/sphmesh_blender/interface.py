@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: MIT
 """What the user sees: preferences, an operator, a panel."""
+import time
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from . import job
 from .capture import CaptureError
 
+PATIENCE = 0.05  # seconds between looks at the keyboard
 SHAPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 
@@ -101,8 +104,10 @@ class SPHMESH_OT_make(bpy.types.Operator):
             return self.end(context, {"CANCELLED"})
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
+        until = time.monotonic() + PATIENCE
         try:
-            fraction, what = next(self._steps)
+            while time.monotonic() < until:
+                fraction, what = next(self._steps)
         except StopIteration:
             return self.end(context, {"FINISHED"})
         except (job.Failed, CaptureError) as error:
@@ -126,7 +131,7 @@ class SPHMESH_OT_make(bpy.types.Operator):
 
 
 def draw_settings(layout, settings):
-    layout.use_property_split = True
+    layout.use_property_split, layout.use_property_decorate = True, False
     layout.prop(settings, "spheres")
     layout.prop(settings, "result")
     if settings.result == "SPHERES":
