@@ -55,7 +55,7 @@ SPH_API void sph_deformer_destroy(sph_deformer *deformer);
  *
  * Normals are turned by the same blended transform as the vertex, as the cross product of two directions on the surface
  * is (also where it scales or mirrors: they stay on the side from which the triangles run counter-clockwise), and have
- * length 1; 0 where there is none.
+ * length 1; 0 where there is none, or where products of a transform's numbers are beyond what a double holds.
  * @param[in]  transforms  shape (pose_count, J, 3, 4), as sph_skin_arrays::transforms: rest pose to pose; any affine
  * ones.
  * @param[in]  method      one of SPH_POSE_*.

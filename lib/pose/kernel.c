@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The loops over vertices. They allocate nothing and cannot fail. */
+#include <float.h>
 #include <math.h>
 
 #include "hierarchy/lanes.h"
@@ -17,13 +18,30 @@ SPH__INLINE void store_point(const v4d *point, float *out)
         out[c] = (float)(*point)[c];
 }
 
+/* The direction of what is so long or so short that its square is not to be trusted; 0 where it has none. */
+static void store_extreme(const double d[3], float *out)
+{
+    const double most = fmax(fmax(fabs(d[0]), fabs(d[1])), fabs(d[2])), sum = d[0] + d[1] + d[2];
+    const bool has = most > 0 && most <= DBL_MAX && !isnan(sum);
+    const double x = has ? d[0] / most : 0, y = has ? d[1] / most : 0, z = has ? d[2] / most : 0;
+    const double length = has ? sqrt(x * x + y * y + z * z) : 1;
+    out[0] = (float)(x / length);
+    out[1] = (float)(y / length);
+    out[2] = (float)(z / length);
+}
+
 SPH__INLINE void store_direction(const v4d *direction, float *out)
 {
     const v4d d = *direction;
     const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    const double scale = length > 0 ? 1 / length : 0;
-    for (int c = 0; c < 3; ++c)
-        out[c] = (float)(d[c] * scale);
+    if (length >= 1e-100 && length <= 1e100) {
+        const double scale = 1 / length;
+        for (int c = 0; c < 3; ++c)
+            out[c] = (float)(d[c] * scale);
+    } else {
+        const double parts[3] = {d[0], d[1], d[2]};
+        store_extreme(parts, out);
+    }
 }
 
 /* The weighted sum of the columns of the transforms of vertex v's bones. */

@@ -53,6 +53,28 @@ START_TEST(one_motion_of_all_bones_is_that_motion_also_where_it_scales_shears_an
 }
 END_TEST
 
+/* Lengths whose squares a double does not hold, small or large, change no direction; beyond those there is none. */
+START_TEST(normals_are_those_of_the_turn_however_much_the_transforms_scale)
+{
+    static const double SCALES[4] = {1e-120, 1e-70, 1e75, 1e200};
+    double rigid[12];
+    random_rigid(2, rigid);
+    for (int f = 0; f < 4; ++f)
+        for (int b = 0; b < BONES; ++b)
+            for (int i = 0; i < 12; ++i)
+                transforms[f][b][i] = i % 4 == 3 ? 0 : SCALES[f] * rigid[i];
+    pose(METHODS[_i], 4);
+    for (int f = 0; f < 4; ++f)
+        for (int v = 0; v < VERTICES; ++v) {
+            double n[3];
+            turn_normal(rigid, normals[v], n);
+            for (int k = 0; k < 3 && f == 3; ++k)
+                n[k] = 0;
+            check_point(turned[f][v], n, 1e-6);
+        }
+}
+END_TEST
+
 START_TEST(vertices_of_one_bone_follow_it)
 {
     for (int v = 0; v < VERTICES; ++v)
@@ -286,6 +308,7 @@ int main(void)
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, identities_leave_every_bit_of_the_rest_pose, 0, 2);
     tcase_add_loop_test(tc, one_motion_of_all_bones_is_that_motion_also_where_it_scales_shears_and_mirrors, 0, 2);
+    tcase_add_loop_test(tc, normals_are_those_of_the_turn_however_much_the_transforms_scale, 0, 2);
     tcase_add_loop_test(tc, vertices_of_one_bone_follow_it, 0, 2);
     tcase_add_test(tc, linear_blends_are_the_weighted_means_of_moved_points);
     tcase_add_test(tc, linear_blends_are_linear_in_the_transforms);
