@@ -44,8 +44,9 @@ static sph__abc_bytes short_kind(sph__abc_bytes schema)
 
 static void take_times(const sph__abc_file *f, const sph__abc_property *p, sph_io_object *o)
 {
-    const sph__abc_sampling *s = &f->samplings[p->sampling];
+    const sph__abc_sampling *s;
     if (sph__abc_stored_count(p) < 2 || p->sample_count <= o->sample_count) return;
+    s = &f->samplings[p->sampling];
     o->sample_count = p->sample_count;
     o->first_time = sph__abc_time(s, 0);
     o->last_time = sph__abc_time(s, p->sample_count - 1);
@@ -112,6 +113,7 @@ static sph_status list_objects(sph_context *context, const char *path, const sph
 sph_status sph_io_list_objects(sph_context *context, const char *path, const char *object, sph_io_archive_fn *archive,
                                sph_io_object_fn *visit, void *user)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph__io_map map;
     sph__io_read_fn *read;
     sph_status status;
