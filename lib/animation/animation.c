@@ -24,7 +24,7 @@ static sph_status create_empty(sph_context *context, uint32_t vertex_count, uint
     if (frame_count < 1 || frame_count > COUNT_LIMIT)
         return sph__fail(context, SPH_E_INVALID, "animation: %u frames, must be 1 to %d", (unsigned)frame_count,
                          COUNT_LIMIT);
-    animation = sph__zalloc(context, 1, sizeof *animation);
+    animation = sph__new(context, sizeof *animation, SPH__ANIMATION);
     if (animation == NULL) return sph__fail_memory(context);
     animation->context = sph__context_retain(context);
     animation->vertex_count = vertex_count;
@@ -35,6 +35,7 @@ static sph_status create_empty(sph_context *context, uint32_t vertex_count, uint
 
 sph_status sph_animation_create(sph_context *context, uint32_t vertex_count, uint32_t frame_count, sph_animation **out)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     size_t count;
     const sph_status status = create_empty(context, vertex_count, frame_count, out);
     if (status != SPH_OK) return status;
@@ -50,6 +51,7 @@ sph_status sph_animation_create(sph_context *context, uint32_t vertex_count, uin
 sph_status sph_animation_create_from_source(sph_context *context, uint32_t vertex_count, uint32_t frame_count,
                                             const sph_frame_source *source, sph_animation **out)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     sph_status status;
     if (out != NULL) *out = NULL;
     if (source == NULL || source->read_frame == NULL)
@@ -65,6 +67,7 @@ sph_status sph_animation_create_from_source(sph_context *context, uint32_t verte
 
 void sph_animation_destroy(sph_animation *animation)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     sph_context *context;
     if (animation == NULL) return;
     context = animation->context;
@@ -109,6 +112,7 @@ sph_status sph_animation_create_from_positions(sph_context *context, uint32_t ve
                                                const float *positions, size_t stride, size_t frame_stride,
                                                sph_animation **out)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     const sph_status status = create_empty(context, vertex_count, frame_count, out);
     if (status != SPH_OK) return status;
     if (positions != NULL && resolve_borrowed(positions, vertex_count, frame_count, &stride, &frame_stride)) {
@@ -127,6 +131,7 @@ sph_status sph_animation_create_from_positions(sph_context *context, uint32_t ve
 
 sph_status sph_animation_set_frame(sph_animation *animation, uint32_t frame, const float *xyz, size_t stride)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     float *to;
     uint32_t n;
     if (animation == NULL) return SPH_E_INVALID;
@@ -178,6 +183,7 @@ static sph_status set_simplices(const sph_animation *animation, const char *what
 sph_status sph_animation_set_triangles(sph_animation *animation, const uint32_t *indices, size_t triangle_count,
                                        size_t stride)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     sph_status status;
     if (animation == NULL) return SPH_E_INVALID;
     status = set_simplices(animation, "triangle", indices, triangle_count, stride, 3, &animation->triangles);
@@ -187,6 +193,7 @@ sph_status sph_animation_set_triangles(sph_animation *animation, const uint32_t 
 
 sph_status sph_animation_set_edges(sph_animation *animation, const uint32_t *indices, size_t edge_count, size_t stride)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     sph_status status;
     if (animation == NULL) return SPH_E_INVALID;
     status = set_simplices(animation, "edge", indices, edge_count, stride, 2, &animation->edges);
@@ -196,31 +203,37 @@ sph_status sph_animation_set_edges(sph_animation *animation, const uint32_t *ind
 
 uint32_t sph_animation_vertex_count(const sph_animation *animation)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     return animation == NULL ? 0 : animation->vertex_count;
 }
 
 uint32_t sph_animation_frame_count(const sph_animation *animation)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     return animation == NULL ? 0 : animation->frame_count;
 }
 
 size_t sph_animation_triangle_count(const sph_animation *animation)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     return animation == NULL ? 0 : animation->triangle_count;
 }
 
 size_t sph_animation_edge_count(const sph_animation *animation)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     return animation == NULL ? 0 : animation->edge_count;
 }
 
 const uint32_t *sph_animation_triangles(const sph_animation *animation)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     return animation == NULL ? NULL : animation->triangles;
 }
 
 const uint32_t *sph_animation_edges(const sph_animation *animation)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     return animation == NULL ? NULL : animation->edges;
 }
 
@@ -272,6 +285,7 @@ sph_status sph__check_finite(const sph_context *context, uint32_t frame, const f
 
 sph_status sph_animation_read_frame(const sph_animation *animation, uint32_t frame, float *xyz)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     const float *from;
     sph_status status;
     if (animation == NULL) return SPH_E_INVALID;
@@ -301,6 +315,7 @@ static double box_diagonal(const float *xyz, uint32_t n)
 
 sph_status sph_animation_bounding_diagonal(const sph_animation *animation, double *diagonal)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     double sum = 0;
     float *scratch;
     sph_status status;

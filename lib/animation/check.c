@@ -179,6 +179,7 @@ static void free_check(check *c)
 
 sph_status sph_animation_check(const sph_animation *animation, sph_animation_report *report)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     check c = {.animation = animation};
     sph__progress progress;
     sph_status status;

@@ -132,6 +132,7 @@ static sph_status run_weld(sph__weld *weld, uint32_t *map, sph_animation **out)
 
 sph_status sph_animation_weld(const sph_animation *animation, float tolerance, uint32_t *map, sph_animation **out)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     sph__weld weld = {.animation = animation, .tolerance = tolerance};
     sph_status status;
     if (out != NULL) *out = NULL;

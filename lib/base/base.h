@@ -39,6 +39,40 @@ bool sph__multiply_size(size_t a, size_t b, size_t *out);
 /* Makes room for `need` elements of `size` bytes in the growing array *memory of *capacity; false when out of memory. */
 bool sph__reserve(const sph_context *context, void **memory, size_t *capacity, size_t need, size_t size);
 
+/*
+ * --- handles --- With the build option handle-checks (on in debug builds) the block of every handle says what it is, and
+ * stays for a while after it was destroyed. SPH__OWN, first in each public function, turns what is not a living handle of
+ * that kind into NULL, which the function refuses, and tells the host. Otherwise it is nothing at all.
+ */
+enum {
+    SPH__NO_HANDLE,
+    SPH__CONTEXT,
+    SPH__ANIMATION,
+    SPH__QUADRIC,
+    SPH__HIERARCHY,
+    SPH__CURSOR,
+    SPH__LEVEL,
+    SPH__QUERY,
+    SPH__SURFACE,
+    SPH__SKIN,
+    SPH__SKELETON,
+    SPH__DEFORMER,
+    SPH__PROGRESSIVE,
+    SPH__IMPLICIT,
+    SPH__TRACKER,
+    SPH__DESTROYED
+};
+
+/* Zeroed memory for a handle of that kind, which sph__free takes back. */
+void *sph__new(const sph_context *context, size_t size, int kind);
+
+#if defined(SPH_HANDLE_CHECKS)
+bool sph__handle_is(const void *handle, int kind, const char *function);
+#  define SPH__OWN(handle, kind) ((handle) = sph__handle_is(handle, kind, __func__) ? (handle) : NULL)
+#else
+#  define SPH__OWN(handle, kind) ((void)0)
+#endif
+
 /* --- parallel loops --- */
 void sph__parallel_for(const sph_context *context, size_t count, size_t grain, sph_range_fn *body, void *argument);
 /* Workers that a parallel loop may use at once, the caller included; with a caller's executor a guess. */

@@ -5,6 +5,7 @@
 
 #include <sphmesh/version.h>
 
+#include "base/handle.h"
 #include "base/message.h"
 
 struct sph_context {
@@ -21,7 +22,10 @@ struct sph_context {
     atomic_uint_fast64_t memory_used, memory_peak;
     atomic_bool limit_reached; /* since the last message about memory */
     sph__messages messages;
+    sph__graves graves;
 };
+
+enum { CONTEXT_SIZE = SPH__IN_FRONT + sizeof(sph_context) };
 
 uint32_t sph_version(void)
 {
@@ -84,6 +88,17 @@ static sph_status start_executor(sph_context *context, const sph_context_options
     return SPH_OK;
 }
 
+/* Where handles are checked, something is in front of a context as of any other block. */
+static sph_context *context_in(void *block)
+{
+    return (sph_context *)(void *)((char *)block + SPH__IN_FRONT);
+}
+
+static void *block_of(sph_context *context)
+{
+    return (char *)context - SPH__IN_FRONT;
+}
+
 sph_status sph_context_create(const sph_context_options *options, sph_context **out)
 {
     sph_context_options o;
@@ -93,9 +108,10 @@ sph_status sph_context_create(const sph_context_options *options, sph_context **
     *out = NULL;
     status = read_options(options, &o);
     if (status != SPH_OK) return status;
-    context = o.allocator.allocate(o.allocator.user, sizeof *context, SPH__ALIGN);
+    context = o.allocator.allocate(o.allocator.user, CONTEXT_SIZE, SPH__ALIGN);
     if (context == NULL) return SPH_E_NOMEM;
-    memset(context, 0, sizeof *context);
+    memset(context, 0, CONTEXT_SIZE);
+    context = context_in(context);
     context->allocator = o.allocator;
     context->log = o.log;
     context->log_user = o.log_user;
@@ -103,12 +119,13 @@ sph_status sph_context_create(const sph_context_options *options, sph_context **
     context->progress_user = o.progress_user;
     context->memory_limit = o.memory_limit == 0 ? UINT64_MAX : o.memory_limit;
     atomic_init(&context->references, 1);
-    atomic_init(&context->memory_used, sizeof *context);
-    atomic_init(&context->memory_peak, sizeof *context);
+    atomic_init(&context->memory_used, CONTEXT_SIZE);
+    atomic_init(&context->memory_peak, CONTEXT_SIZE);
     if (!sph__messages_init(&context->messages)) {
-        o.allocator.release(o.allocator.user, context, sizeof *context);
+        o.allocator.release(o.allocator.user, block_of(context), CONTEXT_SIZE);
         return SPH_E_NOMEM;
     }
+    sph__handle_mark(context, context, SPH__CONTEXT);
     status = start_executor(context, &o);
     if (status != SPH_OK) {
         sph_context_destroy(context);
@@ -129,16 +146,19 @@ void sph__context_release(sph_context *context)
     if (context == NULL || atomic_fetch_sub_explicit(&context->references, 1, memory_order_acq_rel) != 1) return;
     sph__pool_destroy(context->pool);
     sph__messages_destroy(&context->messages, &context->allocator);
-    context->allocator.release(context->allocator.user, context, sizeof *context);
+    sph__graves_clear(&context->graves, &context->allocator);
+    context->allocator.release(context->allocator.user, block_of(context), CONTEXT_SIZE);
 }
 
 void sph_context_destroy(sph_context *context)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     sph__context_release(context);
 }
 
 const char *sph_context_last_message(const sph_context *context)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     uint64_t stamp;
     /* The messages are not part of the visible state that const speaks of. */
     return context == NULL ? "" : sph__messages_read(&((sph_context *)context)->messages, &stamp);
@@ -184,26 +204,31 @@ void sph__log(const sph_context *context, int32_t severity, const char *format, 
 
 sph_status sph_context_fail(sph_context *context, sph_status status, const char *message)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     return sph__fail(context, status, "%s", message == NULL ? "" : message);
 }
 
 void sph_context_log(sph_context *context, int32_t severity, const char *message)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     if (message != NULL) sph__log(context, severity, "%s", message);
 }
 
 void *sph_context_allocate(sph_context *context, size_t count, size_t size)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     return context == NULL ? NULL : sph__alloc(context, count, size);
 }
 
 void sph_context_release(sph_context *context, void *memory)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     if (context != NULL) sph__free(context, memory);
 }
 
 sph_status sph_context_report_progress(sph_context *context, const char *stage, double fraction)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     sph__progress progress;
     if (context == NULL || stage == NULL || !(fraction >= 0 && fraction <= 1)) return SPH_E_INVALID;
     sph__progress_begin(&progress, context);
@@ -213,16 +238,19 @@ sph_status sph_context_report_progress(sph_context *context, const char *stage, 
 
 void sph_context_parallel_for(sph_context *context, size_t count, size_t grain, sph_range_fn *body, void *argument)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     if (context != NULL && grain != 0 && body != NULL) sph__parallel_for(context, count, grain, body, argument);
 }
 
 uint64_t sph_context_memory_used(const sph_context *context)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     return context == NULL ? 0 : atomic_load_explicit(&context->memory_used, memory_order_relaxed);
 }
 
 uint64_t sph_context_memory_peak(const sph_context *context)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     return context == NULL ? 0 : atomic_load_explicit(&context->memory_peak, memory_order_relaxed);
 }
 
@@ -259,7 +287,15 @@ void *sph__alloc(const sph_context *context, size_t count, size_t size)
         return NULL;
     }
     memcpy(memory, &bytes, sizeof bytes);
+    sph__handle_mark(memory + SPH__ALIGN, context, SPH__NO_HANDLE);
     return memory + SPH__ALIGN;
+}
+
+void *sph__new(const sph_context *context, size_t size, int kind)
+{
+    void *handle = sph__zalloc(context, 1, size);
+    if (handle != NULL) sph__handle_mark(handle, context, kind);
+    return handle;
 }
 
 void *sph__zalloc(const sph_context *context, size_t count, size_t size)
@@ -276,7 +312,8 @@ void sph__free(const sph_context *context, void *memory)
     if (memory == NULL) return;
     start = (char *)memory - SPH__ALIGN;
     memcpy(&bytes, start, sizeof bytes);
-    context->allocator.release(context->allocator.user, start, bytes);
+    if (!sph__bury(&((sph_context *)context)->graves, &context->allocator, memory))
+        context->allocator.release(context->allocator.user, start, bytes);
     atomic_fetch_sub_explicit(&((sph_context *)context)->memory_used, bytes, memory_order_relaxed);
 }
 

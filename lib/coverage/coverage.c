@@ -145,6 +145,8 @@ static sph_status add_frame(void *user, const sph__coverage_slot *s)
 
 sph_status sph_coverage_measure(const sph_animation *animation, const sph_level *level, sph_coverage *coverage)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
+    SPH__OWN(level, SPH__LEVEL);
     sph__coverage_job j = {.animation = animation, .level = level};
     sph_coverage total = {.struct_size = sizeof total};
     sph_status status;

@@ -206,6 +206,8 @@ static sph_status summarise(inflation *n, uint32_t passes, sph_inflation *out)
 sph_status sph_coverage_inflate(const sph_animation *animation, const sph_level *level,
                                 const sph_inflation_options *options, sph_inflation *inflation_out, sph_level **out)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
+    SPH__OWN(level, SPH__LEVEL);
     inflation n = {.job = {.animation = animation, .collects = true}, .from = level};
     sph_inflation_options o;
     uint32_t passes = 0;

@@ -189,7 +189,7 @@ sph_status sph__cursor_create(const sph__collapses *h, sph_cursor **out)
     sph_cursor *c;
     sph_status status;
     *out = NULL;
-    c = sph__zalloc(h->context, 1, sizeof *c);
+    c = sph__new(h->context, sizeof *c, SPH__CURSOR);
     if (c == NULL) return sph__fail_memory(h->context);
     c->h = *h;
     status = make_tables(c);
@@ -207,6 +207,7 @@ sph_status sph__cursor_create(const sph__collapses *h, sph_cursor **out)
 
 void sph_cursor_destroy(sph_cursor *c)
 {
+    SPH__OWN(c, SPH__CURSOR);
     const sph_context *context;
     if (c == NULL) return;
     context = c->h.context;
@@ -227,6 +228,7 @@ void sph_cursor_destroy(sph_cursor *c)
 
 sph_status sph_cursor_move(sph_cursor *c, uint32_t sphere_count)
 {
+    SPH__OWN(c, SPH__CURSOR);
     uint32_t end;
     if (c == NULL) return SPH_E_INVALID;
     if (sphere_count > c->h.vertex_count || sphere_count < c->h.vertex_count - c->h.collapse_count)
@@ -240,16 +242,19 @@ sph_status sph_cursor_move(sph_cursor *c, uint32_t sphere_count)
 
 uint32_t sph_cursor_sphere_count(const sph_cursor *c)
 {
+    SPH__OWN(c, SPH__CURSOR);
     return c == NULL ? 0 : c->nodes.count;
 }
 
 size_t sph_cursor_edge_count(const sph_cursor *c)
 {
+    SPH__OWN(c, SPH__CURSOR);
     return c == NULL ? 0 : c->wires.count;
 }
 
 size_t sph_cursor_triangle_count(const sph_cursor *c)
 {
+    SPH__OWN(c, SPH__CURSOR);
     return c == NULL ? 0 : c->triangles.count;
 }
 
@@ -262,6 +267,7 @@ static void read_nodes(const sph_cursor *c, uint32_t *nodes, sph__keyed *keys)
 
 sph_status sph_cursor_read(const sph_cursor *c, uint32_t *nodes, uint32_t *edges, uint32_t *triangles)
 {
+    SPH__OWN(c, SPH__CURSOR);
     size_t most;
     sph__keyed *keys;
     if (c == NULL) return SPH_E_INVALID;

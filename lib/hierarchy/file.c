@@ -48,6 +48,7 @@ static sph_status write_chunks(const sph_hierarchy *h, const uint32_t *edge_coun
 
 sph_status sph_hierarchy_write(const sph_hierarchy *h, sph_write_fn *write, void *user)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     uint32_t *edge_counts, *triangle_counts;
     sph_status status;
     if (h == NULL || write == NULL)
@@ -164,6 +165,7 @@ static sph_status read_chunks(const sph__container *c, sph_hierarchy *h)
 
 sph_status sph_hierarchy_read(sph_context *context, const void *bytes, size_t size, sph_hierarchy **out)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     sph__container container;
     sph_hierarchy *h;
     sph_status status;
@@ -172,7 +174,7 @@ sph_status sph_hierarchy_read(sph_context *context, const void *bytes, size_t si
         return sph__fail(context, SPH_E_INVALID, "sph_hierarchy_read: an argument is NULL");
     status = sph__container_open(context, bytes, size, SPH__CONTAINER_HIERARCHY, &container);
     if (status != SPH_OK) return status;
-    h = sph__zalloc(context, 1, sizeof *h);
+    h = sph__new(context, sizeof *h, SPH__HIERARCHY);
     if (h == NULL) return sph__fail_memory(context);
     h->context = sph__context_retain(context);
     status = read_meta(&container, h);

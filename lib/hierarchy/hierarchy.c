@@ -41,7 +41,7 @@ static sph_status check_options(const sph_context *context, const sph_hierarchy_
 static sph_status allocate_hierarchy(sph__builder *b)
 {
     const size_t nodes = 2 * (size_t)b->n - 1, collapses = b->n - (size_t)1;
-    sph_hierarchy *h = sph__zalloc(b->context, 1, sizeof *h);
+    sph_hierarchy *h = sph__new(b->context, sizeof *h, SPH__HIERARCHY);
     if (h == NULL) return sph__fail_memory(b->context);
     b->h = h;
     h->context = sph__context_retain(b->animation->context);
@@ -160,6 +160,7 @@ static sph_status run_steps(sph__builder *b)
 sph_status sph_hierarchy_create(const sph_animation *animation, const sph_hierarchy_options *options,
                                 sph_hierarchy **out)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
     sph__builder b = {0};
     sph_status status;
     if (out == NULL) return SPH_E_INVALID;
@@ -194,6 +195,7 @@ sph_status sph_hierarchy_create(const sph_animation *animation, const sph_hierar
 
 void sph_hierarchy_destroy(sph_hierarchy *h)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     sph_context *context;
     if (h == NULL) return;
     context = h->context;
@@ -215,31 +217,37 @@ void sph_hierarchy_destroy(sph_hierarchy *h)
 
 uint32_t sph_hierarchy_vertex_count(const sph_hierarchy *h)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     return h == NULL ? 0 : h->vertex_count;
 }
 
 uint32_t sph_hierarchy_frame_count(const sph_hierarchy *h)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     return h == NULL ? 0 : h->frame_count;
 }
 
 uint32_t sph_hierarchy_collapse_count(const sph_hierarchy *h)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     return h == NULL ? 0 : h->collapse_count;
 }
 
 double sph_hierarchy_bounding_diagonal(const sph_hierarchy *h)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     return h == NULL ? 0 : h->bounding_diagonal;
 }
 
 uint64_t sph_hierarchy_evaluation_count(const sph_hierarchy *h)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     return h == NULL ? 0 : h->evaluations;
 }
 
 uint32_t sph_hierarchy_first_forced(const sph_hierarchy *h)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     return h == NULL ? 0 : h->first_forced;
 }
 
@@ -255,6 +263,7 @@ static sph_collapse collapse_at(const sph_hierarchy *h, uint32_t index)
 
 sph_status sph_hierarchy_collapse(const sph_hierarchy *h, uint32_t index, sph_collapse *collapse)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     if (h == NULL || collapse == NULL) return SPH_E_INVALID;
     if (index >= h->collapse_count)
         return sph__fail(h->context, SPH_E_INVALID, "collapse %u of %u", index, h->collapse_count);
@@ -264,6 +273,7 @@ sph_status sph_hierarchy_collapse(const sph_hierarchy *h, uint32_t index, sph_co
 
 sph_status sph_hierarchy_read_collapses(const sph_hierarchy *h, uint32_t first, uint32_t count, sph_collapse *collapses)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     if (h == NULL) return SPH_E_INVALID;
     if (collapses == NULL && count > 0) return sph__fail(h->context, SPH_E_INVALID, "collapses: NULL");
     if (first > h->collapse_count || count > h->collapse_count - first)
@@ -274,6 +284,7 @@ sph_status sph_hierarchy_read_collapses(const sph_hierarchy *h, uint32_t first, 
 
 sph_status sph_hierarchy_sphere(const sph_hierarchy *h, uint32_t node, float *centers, float *radii)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     const float *rows;
     if (h == NULL) return SPH_E_INVALID;
     if (node >= sph__node_count(h))
@@ -288,6 +299,7 @@ sph_status sph_hierarchy_sphere(const sph_hierarchy *h, uint32_t node, float *ce
 
 sph_status sph_hierarchy_count_for_error(const sph_hierarchy *h, double max_error, uint32_t *sphere_count)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     uint32_t low = 0, high;
     if (h == NULL || sphere_count == NULL) return SPH_E_INVALID;
     if (!(max_error >= 0)) return sph__fail(h->context, SPH_E_INVALID, "max_error must be >= 0");
@@ -329,6 +341,7 @@ sph__collapses sph__hierarchy_collapses(const sph_hierarchy *h)
 
 sph_status sph_cursor_create(const sph_hierarchy *h, sph_cursor **out)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     sph__collapses collapses;
     if (out == NULL) return SPH_E_INVALID;
     *out = NULL;

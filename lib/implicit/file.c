@@ -87,6 +87,7 @@ static void put_joints(const sph_implicit *implicit, image *m)
 
 sph_status sph_implicit_write(const sph_implicit *implicit, sph_write_fn *write, void *user)
 {
+    SPH__OWN(implicit, SPH__IMPLICIT);
     image m = {.centers = 0};
     sph_status status;
     if (implicit == NULL || write == NULL)
@@ -253,6 +254,7 @@ static sph_status fill(const sph__container *c, const image *m, sph_implicit *im
 
 sph_status sph_implicit_read(sph_context *context, const void *bytes, size_t size, sph_implicit **out)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     sph__container container;
     sph_implicit *implicit = NULL;
     image m = {.context = context};

@@ -28,6 +28,7 @@ static void free_field(const sph_context *context, const sph__field *f)
 
 void sph_implicit_destroy(sph_implicit *implicit)
 {
+    SPH__OWN(implicit, SPH__IMPLICIT);
     sph_context *context;
     if (implicit == NULL) return;
     context = implicit->context;
@@ -44,7 +45,7 @@ void sph_implicit_destroy(sph_implicit *implicit)
 
 sph_status sph__implicit_allocate(sph_context *context, uint32_t bone_count, uint32_t joint_count, sph_implicit **out)
 {
-    sph_implicit *i = sph__zalloc(context, 1, sizeof *i);
+    sph_implicit *i = sph__new(context, sizeof *i, SPH__IMPLICIT);
     if (i == NULL) return sph__fail_memory(context);
     i->context = sph__context_retain(context);
     i->bone_count = bone_count;
@@ -171,6 +172,7 @@ static void free_setup(sph__setup *s)
 
 sph_status sph_implicit_create(const sph_skin *skin, const sph_implicit_options *options, sph_implicit **out)
 {
+    SPH__OWN(skin, SPH__SKIN);
     sph_implicit_options o;
     sph__setup s = {.skin = skin, .options = &o};
     sph__progress progress;
@@ -205,16 +207,19 @@ sph_status sph_implicit_create(const sph_skin *skin, const sph_implicit_options 
 
 uint32_t sph_implicit_bone_count(const sph_implicit *implicit)
 {
+    SPH__OWN(implicit, SPH__IMPLICIT);
     return implicit == NULL ? 0 : implicit->bone_count;
 }
 
 uint32_t sph_implicit_joint_count(const sph_implicit *implicit)
 {
+    SPH__OWN(implicit, SPH__IMPLICIT);
     return implicit == NULL ? 0 : implicit->joint_count;
 }
 
 sph_status sph_implicit_get_part(const sph_implicit *implicit, uint32_t bone, sph_implicit_part *part)
 {
+    SPH__OWN(implicit, SPH__IMPLICIT);
     const sph__field *f;
     if (implicit == NULL || part == NULL || part->struct_size != sizeof *part || bone >= implicit->bone_count)
         return sph__fail(implicit == NULL ? NULL : implicit->context, SPH_E_INVALID,
@@ -236,6 +241,7 @@ sph_status sph_implicit_get_part(const sph_implicit *implicit, uint32_t bone, sp
 
 sph_status sph_implicit_get_joint(const sph_implicit *implicit, uint32_t index, sph_implicit_joint *joint)
 {
+    SPH__OWN(implicit, SPH__IMPLICIT);
     if (implicit == NULL || joint == NULL || joint->struct_size != sizeof *joint || index >= implicit->joint_count)
         return sph__fail(implicit == NULL ? NULL : implicit->context, SPH_E_INVALID,
                          "sph_implicit_get_joint: NULL, a size that is not known, or no joint %u", (unsigned)index);
@@ -245,6 +251,7 @@ sph_status sph_implicit_get_joint(const sph_implicit *implicit, uint32_t index, 
 
 sph_status sph_implicit_set_joint(sph_implicit *implicit, uint32_t index, const sph_implicit_joint *joint)
 {
+    SPH__OWN(implicit, SPH__IMPLICIT);
     sph__joint held;
     sph__joint *own;
     sph_status status;

@@ -145,6 +145,7 @@ static sph_status check_mesh(const sph_context *context, uint32_t n, const float
 sph_status sph_mesh_intersections(sph_context *context, uint32_t vertex_count, const float *positions,
                                   size_t triangle_count, const uint32_t *triangles, uint64_t *pairs)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     sph__intersector x;
     uint64_t count = 0;
     sph_status status;

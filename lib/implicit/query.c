@@ -7,6 +7,7 @@
 sph_status sph_implicit_distances(const sph_implicit *implicit, uint32_t bone, size_t count, const double *points,
                                   double *distances, double *gradients)
 {
+    SPH__OWN(implicit, SPH__IMPLICIT);
     if (implicit == NULL || (count != 0 && (points == NULL || distances == NULL)))
         return sph__fail(implicit == NULL ? NULL : implicit->context, SPH_E_INVALID,
                          "sph_implicit_distances: an argument is NULL");
@@ -76,6 +77,7 @@ static sph_status check(const sph_implicit *implicit, const double *transforms, 
 sph_status sph_implicit_evaluate(const sph_implicit *implicit, const double *transforms, int32_t evaluation,
                                  size_t count, const double *points, double *values, double *gradients, uint32_t *bones)
 {
+    SPH__OWN(implicit, SPH__IMPLICIT);
     sph__placed *placed;
     sph_status status;
     if (implicit == NULL || (count != 0 && (points == NULL || values == NULL)))

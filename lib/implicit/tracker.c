@@ -50,6 +50,7 @@ static sph_status read_options(const sph_context *context, const sph_tracker_opt
 
 void sph_tracker_destroy(sph_tracker *tracker)
 {
+    SPH__OWN(tracker, SPH__TRACKER);
     sph_context *context;
     if (tracker == NULL) return;
     context = tracker->context;
@@ -150,6 +151,8 @@ static sph_status fill(sph_tracker *t, const sph_implicit *implicit, const sph_s
 sph_status sph_tracker_create(const sph_implicit *implicit, const sph_skin *skin, const sph_tracker_options *options,
                               sph_tracker **out)
 {
+    SPH__OWN(implicit, SPH__IMPLICIT);
+    SPH__OWN(skin, SPH__SKIN);
     sph_tracker_options o;
     sph_tracker *t;
     sph_status status;
@@ -160,7 +163,7 @@ sph_status sph_tracker_create(const sph_implicit *implicit, const sph_skin *skin
     if (implicit->bone_count != skin->bone_count)
         return sph__fail(skin->context, SPH_E_INVALID, "the set-up is of %u bones, the skin of %u",
                          (unsigned)implicit->bone_count, (unsigned)skin->bone_count);
-    t = sph__zalloc(skin->context, 1, sizeof *t);
+    t = sph__new(skin->context, sizeof *t, SPH__TRACKER);
     if (t == NULL) return sph__fail_memory(skin->context);
     t->context = sph__context_retain(skin->context);
     t->shell.context = t->context;
@@ -247,6 +250,7 @@ static sph_status check(const sph_tracker *t, const double *transforms, size_t p
 sph_status sph_tracker_pose(sph_tracker *tracker, const double *transforms, size_t pose_count, float *positions,
                             float *normals, sph_tracker_report *reports)
 {
+    SPH__OWN(tracker, SPH__TRACKER);
     sph__progress progress;
     sph_status status;
     if (tracker == NULL || (pose_count != 0 && (transforms == NULL || positions == NULL)))

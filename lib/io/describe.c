@@ -18,6 +18,7 @@ static sph_status describe(sph_context *context, const char *path, const sph__io
 
 sph_status sph_io_describe(sph_context *context, const char *path, sph_io_description *out)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph_io_description found = {.struct_size = sizeof found};
     sph__io_names names = {.context = context};
     sph__io_map map = {NULL, 0};

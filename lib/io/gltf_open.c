@@ -162,6 +162,7 @@ static sph_status list_clips(sph_context *context, const char *path, const sph__
 
 sph_status sph_io_list_clips(sph_context *context, const char *path, double fps, sph_io_clip_fn *visit, void *user)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph__io_map map;
     sph__io_read_fn *read;
     sph_status status;

@@ -32,6 +32,28 @@ void sph__io_options_init(void *options, size_t size, const void *defaults, size
 sph_status sph__io_options_read(sph_context *context, const char *name, const void *in, void *out, size_t full,
                                 size_t least);
 
+/*
+ * --- handles --- Checked where the core's are (lib/base/base.h), and first in each public function. Of the core's handles
+ * public functions tell nothing, neither vertices nor bytes, when they are of another kind or destroyed: these become NULL.
+ * Handles of this library begin with a mark. The core keeps blocks that begin with SPH__IO_DESTROYED for a while.
+ */
+#if defined(SPH_HANDLE_CHECKS)
+#  define SPH__IO_RIG UINT64_C(0x51f5696f52694701)
+#  define SPH__IO_SPILL UINT64_C(0x51f5696f5370696c)
+#  define SPH__IO_RIG_LEVELS UINT64_C(0x51f5696f6c65766c)
+#  define SPH__IO_DESTROYED UINT64_C(0xdead5f6f6973f0e1)
+#  define SPH__IO_MARK uint64_t mark;
+#  define SPH__IO_SET_MARK(handle, value) ((handle)->mark = (value))
+#  define SPH__IO_OWN(handle, tells) ((handle) = tells(handle) != 0 ? (handle) : NULL)
+#  define SPH__IO_OWN_MARKED(handle, value) \
+      ((handle) = (handle) != NULL && (handle)->mark == (value) ? (handle) : NULL)
+#else
+#  define SPH__IO_MARK
+#  define SPH__IO_SET_MARK(handle, value) ((void)0)
+#  define SPH__IO_OWN(handle, tells) ((void)0)
+#  define SPH__IO_OWN_MARKED(handle, value) ((void)0)
+#endif
+
 /* --- numbers (number.c): decimal point whatever the locale --- */
 
 /*

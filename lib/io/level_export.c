@@ -175,6 +175,8 @@ static sph_status count_primitives(sph__io_export *e)
 sph_status sph_io_export_level(sph_context *context, const sph_level *level, const char *path,
                                const sph_io_export_options *options, sph_io_export_report *report)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
+    SPH__IO_OWN(level, sph_level_sphere_count);
     sph_io_export_report done = {.struct_size = sizeof done};
     sph__io_export e = {.context = context, .a = {.struct_size = sizeof e.a}, .report = &done};
     sph_io_export_options o;

@@ -323,6 +323,7 @@ static sph_status weld(sph_animation **animation)
 sph_status sph_io_open_animation(sph_context *context, const char *const *paths, size_t path_count,
                                  const sph_io_open_options *options, sph_animation **out)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph_io_open_options o;
     sph_status status;
     source *s;

@@ -47,6 +47,7 @@ sph_status sph__io_rig_read_options(sph_context *context, const sph_io_open_rig_
 
 void sph_io_rig_destroy(sph_io_rig *rig)
 {
+    SPH__IO_OWN_MARKED(rig, SPH__IO_RIG);
     sph_context *context;
     sph_skin *skin;
     if (rig == NULL) return;
@@ -62,17 +63,20 @@ void sph_io_rig_destroy(sph_io_rig *rig)
     sph_context_release(context, rig->joints_rest);
     sph_context_release(context, rig->joints);
     sph_context_release(context, rig->edges);
+    SPH__IO_SET_MARK(rig, SPH__IO_DESTROYED);
     sph_context_release(context, rig);
     sph_skin_destroy(skin); /* may be the last to hold the context */
 }
 
 const sph_skin *sph_io_rig_skin(const sph_io_rig *rig)
 {
+    SPH__IO_OWN_MARKED(rig, SPH__IO_RIG);
     return rig == NULL ? NULL : rig->skin;
 }
 
 sph_status sph_io_rig_get_arrays(const sph_io_rig *rig, sph_io_rig_arrays *arrays)
 {
+    SPH__IO_OWN_MARKED(rig, SPH__IO_RIG);
     if (rig == NULL || arrays == NULL)
         return sph_context_fail(rig == NULL ? NULL : rig->context, SPH_E_INVALID,
                                 "sph_io_rig_get_arrays: an argument is NULL");

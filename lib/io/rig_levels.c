@@ -31,6 +31,7 @@ static sph_status simplify(sph_io_rig_levels *l, const sph_simplify_options *opt
 
 void sph_io_rig_levels_destroy(sph_io_rig_levels *l)
 {
+    SPH__IO_OWN_MARKED(l, SPH__IO_RIG_LEVELS);
     sph_context *context;
     sph_progressive *progressive;
     sph_io_rig *rig;
@@ -47,6 +48,7 @@ void sph_io_rig_levels_destroy(sph_io_rig_levels *l)
     sph__io_gltf_close(l->g);
     sph__gltf_document_close(&l->d);
     sph__io_map_close(&l->map);
+    SPH__IO_SET_MARK(l, SPH__IO_DESTROYED);
     sph_context_release(context, l);
     sph_io_rig_destroy(rig);
     sph_progressive_destroy(progressive); /* may be the last to hold the context */
@@ -55,6 +57,7 @@ void sph_io_rig_levels_destroy(sph_io_rig_levels *l)
 sph_status sph_io_open_rig_levels(sph_context *context, const char *path, const sph_io_open_rig_options *rig,
                                   const sph_simplify_options *options, sph_io_rig_levels **out)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph_skin_arrays a = {.struct_size = sizeof a};
     sph_io_open_rig_options chosen;
     sph_io_rig_levels *l;
@@ -68,6 +71,7 @@ sph_status sph_io_open_rig_levels(sph_context *context, const char *path, const 
     l = sph_context_allocate(context, 1, sizeof *l);
     if (l == NULL) return sph__io_fail_memory(context, path);
     *l = (sph_io_rig_levels){.context = context, .d = {.context = context}, .path = sph__io_copy_string(context, path)};
+    SPH__IO_SET_MARK(l, SPH__IO_RIG_LEVELS);
     if (l->path == NULL) status = sph__io_fail_memory(context, path);
     if (status == SPH_OK) status = sph__io_rig_map(context, l->path, &l->map, &l->d);
     if (status == SPH_OK) status = sph__io_rig_read(&l->d, &chosen, &l->g, &l->rig);
@@ -85,11 +89,13 @@ sph_status sph_io_open_rig_levels(sph_context *context, const char *path, const 
 
 const sph_progressive *sph_io_rig_levels_progressive(const sph_io_rig_levels *l)
 {
+    SPH__IO_OWN_MARKED(l, SPH__IO_RIG_LEVELS);
     return l == NULL ? NULL : l->progressive;
 }
 
 const sph_io_rig *sph_io_rig_levels_rig(const sph_io_rig_levels *l)
 {
+    SPH__IO_OWN_MARKED(l, SPH__IO_RIG_LEVELS);
     return l == NULL ? NULL : l->rig;
 }
 
@@ -194,6 +200,7 @@ static sph_status check_levels(const sph_io_rig_levels *l, const uint32_t *numbe
 sph_status sph_io_rig_levels_save(const sph_io_rig_levels *l, const uint32_t *level_numbers, size_t level_count,
                                   const char *path)
 {
+    SPH__IO_OWN_MARKED(l, SPH__IO_RIG_LEVELS);
     sph__levels_writer w = {.l = l, .path = path, .level_numbers = level_numbers};
     sph_status status;
     if (l == NULL || level_numbers == NULL || path == NULL)

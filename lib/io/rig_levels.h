@@ -26,6 +26,7 @@ typedef struct sph__levels_part {
 } sph__levels_part;
 
 struct sph_io_rig_levels {
+    SPH__IO_MARK
     sph_context *context; /* the progressive mesh keeps it alive */
     char *path;
     sph__io_map map;

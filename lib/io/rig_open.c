@@ -269,6 +269,7 @@ sph_status sph__io_rig_read(sph__gltf_document *d, const sph_io_open_rig_options
     *scene = NULL;
     if (a.rig == NULL) return sph__io_fail_memory(d->context, d->path);
     *a.rig = (sph_io_rig){.context = d->context};
+    SPH__IO_SET_MARK(a.rig, SPH__IO_RIG);
     status = sph__gltf_open_scene(d, a.options.fps, a.options.clip, &a.mesh, &a.g);
     *scene = a.g;
     if (status == SPH_OK) status = gather(&a);
@@ -294,6 +295,7 @@ sph_status sph__io_rig_map(sph_context *context, const char *path, sph__io_map *
 sph_status sph_io_open_rig(sph_context *context, const char *path, const sph_io_open_rig_options *options,
                            sph_io_rig **out)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph_io_open_rig_options chosen;
     sph__io_gltf *scene = NULL;
     sph__gltf_document d;

@@ -6,6 +6,7 @@
 #include "io/gltf.h"
 
 struct sph_io_rig {
+    SPH__IO_MARK
     sph_context *context; /* the skin keeps it alive, until the rig is destroyed */
     sph_skin *skin;
     uint32_t bone_count, frame_count, name_count;

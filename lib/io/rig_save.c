@@ -186,6 +186,8 @@ static sph_status save(sph__rig *rig)
 sph_status sph_io_save_rig(sph_context *context, const sph_skin *skin, const sph_skeleton *skeleton,
                            const sph_io_rig_options *options, const char *path)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
+    SPH__IO_OWN(skin, sph_skin_vertex_count);
     sph__rig rig = {.context = context,
                     .path = path,
                     .skin = {.struct_size = sizeof rig.skin},

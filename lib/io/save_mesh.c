@@ -113,11 +113,15 @@ static sph_status save(sph_context *context, const sph_animation *animation, con
 sph_status sph_io_save_obj_pc2(sph_context *context, const sph_animation *animation, double first_frame,
                                double frames_per_sample, const char *obj_path, const char *pc2_path)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
+    SPH__IO_OWN(animation, sph_animation_vertex_count);
     return save(context, animation, &PC2, first_frame, frames_per_sample, obj_path, pc2_path);
 }
 
 sph_status sph_io_save_obj_mdd(sph_context *context, const sph_animation *animation, double first_second,
                                double frames_per_second, const char *obj_path, const char *mdd_path)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
+    SPH__IO_OWN(animation, sph_animation_vertex_count);
     return save(context, animation, &MDD, first_second, frames_per_second, obj_path, mdd_path);
 }

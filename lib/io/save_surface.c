@@ -84,6 +84,8 @@ static void write_shape(sph__io_output *o, const shape *s, const char *path)
 
 sph_status sph_io_save_surface(sph_context *context, const sph_surface *surface, uint32_t index, const char *path)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
+    SPH__IO_OWN(surface, sph_surface_frame_count);
     sph__io_output o = {.file = -1};
     sph_status status;
     if (context == NULL || surface == NULL || path == NULL)
@@ -110,6 +112,7 @@ sph_status sph_io_save_surface(sph_context *context, const sph_surface *surface,
 sph_status sph_io_save_mesh(sph_context *context, uint32_t vertex_count, const float *positions, const float *normals,
                             size_t triangle_count, const uint32_t *triangles, const char *path)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     const shape s = {vertex_count, triangle_count, positions, normals, triangles};
     sph__io_output o = {.file = -1};
     sph_status status;

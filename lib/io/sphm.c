@@ -57,6 +57,7 @@ static sph_status identify(sph_context *context, const char *path, const sph__io
 
 sph_status sph_io_identify(sph_context *context, const char *path, int32_t *kind)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph__io_map map;
     sph_status status = check_arguments(context, kind, path, "sph_io_identify");
     if (status == SPH_OK) status = sph__io_map_open(context, path, &map);
@@ -68,6 +69,8 @@ sph_status sph_io_identify(sph_context *context, const char *path, int32_t *kind
 
 sph_status sph_io_save_hierarchy(sph_context *context, const sph_hierarchy *hierarchy, const char *path)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
+    SPH__IO_OWN(hierarchy, sph_hierarchy_vertex_count);
     sph__io_output output;
     sph_status status = check_arguments(context, hierarchy, path, "sph_io_save_hierarchy");
     if (status == SPH_OK) status = sph__io_output_open(context, path, &output);
@@ -77,6 +80,7 @@ sph_status sph_io_save_hierarchy(sph_context *context, const sph_hierarchy *hier
 
 sph_status sph_io_load_hierarchy(sph_context *context, const char *path, sph_hierarchy **out)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph__io_map map;
     sph_status status = check_arguments(context, out, path, "sph_io_load_hierarchy");
     if (out != NULL) *out = NULL;
@@ -89,6 +93,7 @@ sph_status sph_io_load_hierarchy(sph_context *context, const char *path, sph_hie
 
 sph_status sph_io_save_implicit(sph_context *context, const sph_implicit *implicit, const char *path)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph__io_output output;
     sph_status status = check_arguments(context, implicit, path, "sph_io_save_implicit");
     if (status == SPH_OK) status = sph__io_output_open(context, path, &output);
@@ -98,6 +103,7 @@ sph_status sph_io_save_implicit(sph_context *context, const sph_implicit *implic
 
 sph_status sph_io_load_implicit(sph_context *context, const char *path, sph_implicit **out)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph__io_map map;
     sph_status status = check_arguments(context, out, path, "sph_io_load_implicit");
     if (out != NULL) *out = NULL;
@@ -125,6 +131,8 @@ static sph__io_level_write_fn *find_writer(const char *path)
 
 sph_status sph_io_save_level(sph_context *context, const sph_level *level, const char *path)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
+    SPH__IO_OWN(level, sph_level_sphere_count);
     sph__io_output output;
     sph_level_arrays arrays = {.struct_size = sizeof arrays};
     sph__io_level_write_fn *write;
@@ -146,6 +154,7 @@ sph_status sph_io_save_level(sph_context *context, const sph_level *level, const
 
 sph_status sph_io_load_level(sph_context *context, const char *path, sph_level **out)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph__io_map map;
     sph_status status = check_arguments(context, out, path, "sph_io_load_level");
     if (out != NULL) *out = NULL;

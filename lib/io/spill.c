@@ -15,6 +15,7 @@
 #include "io/spill.h"
 
 struct sph_io_spill {
+    SPH__IO_MARK
     sph_context *context; /* borrowed */
     char *folder;
     size_t least_size;
@@ -196,6 +197,7 @@ static sph_status start(sph_io_spill *s, const sph_io_spill_options *o)
 
 sph_status sph_io_spill_create(sph_context *context, const sph_io_spill_options *options, sph_io_spill **out)
 {
+    SPH__IO_OWN(context, sph_context_memory_used);
     sph_io_spill_options o;
     sph_io_spill *s;
     sph_status status;
@@ -207,6 +209,7 @@ sph_status sph_io_spill_create(sph_context *context, const sph_io_spill_options 
     if (s == NULL) return sph_context_fail(context, SPH_E_NOMEM, "out of memory");
     memset(s, 0, sizeof *s);
     s->context = context;
+    SPH__IO_SET_MARK(s, SPH__IO_SPILL);
     s->statm = -1;
     if ((status = make_locks(s)) != SPH_OK) {
         sph_context_release(context, s);
@@ -222,6 +225,7 @@ sph_status sph_io_spill_create(sph_context *context, const sph_io_spill_options 
 
 void sph_io_spill_destroy(sph_io_spill *s)
 {
+    SPH__IO_OWN_MARKED(s, SPH__IO_SPILL);
     sph_context *context;
     if (s == NULL) return;
     context = s->context;
@@ -238,6 +242,7 @@ void sph_io_spill_destroy(sph_io_spill *s)
     pthread_mutex_destroy(&s->trim_lock);
     pthread_mutex_destroy(&s->lock);
     sph_context_release(context, s->folder);
+    SPH__IO_SET_MARK(s, SPH__IO_DESTROYED);
     sph_context_release(context, s);
 }
 
@@ -268,6 +273,7 @@ static void spill_release(void *user, void *memory, size_t size)
 
 void sph_io_spill_get_allocator(sph_io_spill *s, sph_allocator *allocator)
 {
+    SPH__IO_OWN_MARKED(s, SPH__IO_SPILL);
     if (allocator == NULL) return;
     *allocator = s == NULL ? (sph_allocator){NULL, NULL, NULL} : (sph_allocator){s, spill_allocate, spill_release};
 }
@@ -295,17 +301,20 @@ static void spill_parallel_for(void *user, size_t count, size_t grain, sph_range
 
 void sph_io_spill_get_executor(sph_io_spill *s, sph_executor *executor)
 {
+    SPH__IO_OWN_MARKED(s, SPH__IO_SPILL);
     if (executor == NULL) return;
     *executor = s == NULL ? (sph_executor){NULL, NULL} : (sph_executor){s, spill_parallel_for};
 }
 
 void sph_io_spill_trim(sph_io_spill *s)
 {
+    SPH__IO_OWN_MARKED(s, SPH__IO_SPILL);
     if (s != NULL) trim(s);
 }
 
 sph_status sph_io_spill_get_figures(sph_io_spill *s, sph_io_spill_figures *figures)
 {
+    SPH__IO_OWN_MARKED(s, SPH__IO_SPILL);
     if (s == NULL || figures == NULL)
         return sph_context_fail(s == NULL ? NULL : s->context, SPH_E_INVALID,
                                 "sph_io_spill_get_figures: an argument is NULL");

@@ -90,6 +90,7 @@ static sph_status make_level(const sph_hierarchy *h, uint32_t end, const sph_lev
 sph_status sph_level_extract(const sph_hierarchy *h, uint32_t sphere_count, const sph_level_options *options,
                              sph_level **out)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     sph__collapses collapses;
     sph__simplices simplices;
     sph_level_options o;
@@ -114,5 +115,6 @@ sph_status sph_level_extract(const sph_hierarchy *h, uint32_t sphere_count, cons
 
 sph_status sph_level_create(const sph_hierarchy *h, uint32_t sphere_count, sph_level **out)
 {
+    SPH__OWN(h, SPH__HIERARCHY);
     return sph_level_extract(h, sphere_count, NULL, out);
 }

@@ -21,6 +21,7 @@ static size_t radius_count(const sph_level *level)
 
 sph_status sph_level_write(const sph_level *level, sph_write_fn *write, void *user)
 {
+    SPH__OWN(level, SPH__LEVEL);
     if (level == NULL || write == NULL)
         return sph__fail(level == NULL ? NULL : level->context, SPH_E_INVALID, "sph_level_write: an argument is NULL");
     {
@@ -79,6 +80,7 @@ static sph_status read_chunks(const sph__container *c, sph_level *level)
 
 sph_status sph_level_read(sph_context *context, const void *bytes, size_t size, sph_level **out)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     sph__container container;
     sph_level_arrays sizes;
     sph_level *level = NULL;

@@ -6,6 +6,7 @@
 
 void sph_level_destroy(sph_level *level)
 {
+    SPH__OWN(level, SPH__LEVEL);
     sph_context *context;
     if (level == NULL) return;
     context = level->context;
@@ -27,7 +28,7 @@ sph_status sph__level_allocate(sph_context *context, const sph_level_arrays *siz
         !sph__multiply_size(spheres, 3, &coordinates) || !sph__multiply_size(sizes->triangle_count, 3, &corners) ||
         !sph__multiply_size(sizes->edge_count, 2, &ends))
         return sph__fail_memory(context);
-    level = sph__zalloc(context, 1, sizeof *level);
+    level = sph__new(context, sizeof *level, SPH__LEVEL);
     if (level == NULL) return sph__fail_memory(context);
     level->context = sph__context_retain(context);
     level->sphere_count = sizes->sphere_count;
@@ -111,6 +112,7 @@ static void copy(void *to, const void *from, size_t count, size_t size)
 
 sph_status sph_level_create_from_arrays(sph_context *context, const sph_level_arrays *arrays, sph_level **out)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     sph_level *level = NULL;
     sph_status status;
     size_t spheres;
@@ -135,6 +137,7 @@ sph_status sph_level_create_from_arrays(sph_context *context, const sph_level_ar
 
 sph_status sph_level_get_arrays(const sph_level *level, sph_level_arrays *arrays)
 {
+    SPH__OWN(level, SPH__LEVEL);
     if (level == NULL || arrays == NULL)
         return sph__fail(level == NULL ? NULL : level->context, SPH_E_INVALID,
                          "sph_level_get_arrays: an argument is NULL");
@@ -149,11 +152,13 @@ sph_status sph_level_get_arrays(const sph_level *level, sph_level_arrays *arrays
 
 uint32_t sph_level_sphere_count(const sph_level *level)
 {
+    SPH__OWN(level, SPH__LEVEL);
     return level == NULL ? 0 : level->sphere_count;
 }
 
 uint32_t sph_level_frame_count(const sph_level *level)
 {
+    SPH__OWN(level, SPH__LEVEL);
     return level == NULL ? 0 : level->frame_count;
 }
 

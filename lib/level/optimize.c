@@ -229,6 +229,8 @@ static sph_status check_match(const sph_level *level, const sph_animation *anima
 
 sph_status sph_level_optimize_connectivity(sph_level *level, const sph_animation *animation)
 {
+    SPH__OWN(level, SPH__LEVEL);
+    SPH__OWN(animation, SPH__ANIMATION);
     dual d = {.animation = animation};
     uint32_t *labels = NULL;
     sph_status status;

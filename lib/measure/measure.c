@@ -321,6 +321,8 @@ static sph_status check_mesh(const sph_context *context, const sph_animation *an
 sph_status sph_measure_level(const sph_animation *animation, const sph_level *level, const sph_measure_options *options,
                              sph_distances *mean, sph_distances *per_frame)
 {
+    SPH__OWN(animation, SPH__ANIMATION);
+    SPH__OWN(level, SPH__LEVEL);
     job j = {.animation1 = animation, .level = level};
     sph_status status;
     if (animation != NULL) j.context = animation->context;
@@ -336,6 +338,8 @@ sph_status sph_measure_level(const sph_animation *animation, const sph_level *le
 sph_status sph_measure_meshes(const sph_animation *animation1, const sph_animation *animation2,
                               const sph_measure_options *options, sph_distances *mean, sph_distances *per_frame)
 {
+    SPH__OWN(animation1, SPH__ANIMATION);
+    SPH__OWN(animation2, SPH__ANIMATION);
     job j = {.animation1 = animation1, .animation2 = animation2};
     sph_status status;
     if (animation1 != NULL) j.context = animation1->context;

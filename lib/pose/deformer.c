@@ -17,6 +17,7 @@ void sph_deformer_options_init(sph_deformer_options *options, size_t size)
 
 void sph_deformer_destroy(sph_deformer *deformer)
 {
+    SPH__OWN(deformer, SPH__DEFORMER);
     sph_context *context;
     if (deformer == NULL) return;
     context = deformer->context;
@@ -93,6 +94,7 @@ static sph_status sum_normals(sph_deformer *d, const sph_skin *skin)
 
 sph_status sph_deformer_create(const sph_skin *skin, const sph_deformer_options *options, sph_deformer **out)
 {
+    SPH__OWN(skin, SPH__SKIN);
     sph_deformer_options o = DEFAULTS;
     sph_deformer *d;
     sph_status status;
@@ -103,7 +105,7 @@ sph_status sph_deformer_create(const sph_skin *skin, const sph_deformer_options 
     status = sph__options_read(skin->context, "sph_deformer_options", options, &o, sizeof o, OPTIONS_V1);
     if (status != SPH_OK) return status;
     if (o.flags != 0) return sph__fail(skin->context, SPH_E_INVALID, "sph_deformer_options: flags must be 0");
-    d = sph__zalloc(skin->context, 1, sizeof *d);
+    d = sph__new(skin->context, sizeof *d, SPH__DEFORMER);
     if (d == NULL) return sph__fail_memory(skin->context);
     d->context = sph__context_retain(skin->context);
     d->vertex_count = skin->vertex_count;

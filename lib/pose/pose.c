@@ -146,6 +146,7 @@ static sph_status check(const sph_deformer *d, const double *transforms, size_t 
 sph_status sph_deformer_pose(sph_deformer *deformer, const double *transforms, size_t pose_count, int32_t method,
                              float *positions, float *normals)
 {
+    SPH__OWN(deformer, SPH__DEFORMER);
     batch b = {.deformer = deformer, .method = method};
     sph__progress progress;
     sph_status status;

@@ -234,6 +234,7 @@ static void write_transform(const job *j, size_t b, const double *reference, dou
 sph_status sph_pose_from_spheres(const sph_skin *skin, const double *reference, const double *centers,
                                  double *transforms)
 {
+    SPH__OWN(skin, SPH__SKIN);
     job j = {.skin = skin, .to = centers};
     sph_status status;
     if (skin == NULL || centers == NULL || transforms == NULL)

@@ -28,13 +28,14 @@ struct sph_quadric {
 
 sph_status sph_quadric_create(sph_context *context, uint32_t frame_count, sph_quadric **out)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     sph_quadric *quadric;
     if (out == NULL) return sph__fail(context, SPH_E_INVALID, "quadric: out is NULL");
     *out = NULL;
     if (context == NULL) return SPH_E_INVALID;
     if (frame_count == 0 || frame_count > INT32_MAX)
         return sph__fail(context, SPH_E_INVALID, "quadric: %u frames, not from 1 to 2^31 - 1", (unsigned)frame_count);
-    quadric = sph__zalloc(context, 1, sizeof *quadric);
+    quadric = sph__new(context, sizeof *quadric, SPH__QUADRIC);
     if (quadric == NULL) return sph__fail_memory(context);
     quadric->frames = sph__zalloc(context, frame_count, sizeof *quadric->frames);
     if (quadric->frames == NULL) {
@@ -49,6 +50,7 @@ sph_status sph_quadric_create(sph_context *context, uint32_t frame_count, sph_qu
 
 void sph_quadric_destroy(sph_quadric *quadric)
 {
+    SPH__OWN(quadric, SPH__QUADRIC);
     sph_context *context;
     if (quadric == NULL) return;
     context = quadric->context;
@@ -59,6 +61,7 @@ void sph_quadric_destroy(sph_quadric *quadric)
 
 uint32_t sph_quadric_frame_count(const sph_quadric *quadric)
 {
+    SPH__OWN(quadric, SPH__QUADRIC);
     return quadric == NULL ? 0 : quadric->frame_count;
 }
 
@@ -112,6 +115,7 @@ static void anchor_at(frame_terms *frame, const double point[3])
 sph_status sph_quadric_add_plane(sph_quadric *quadric, uint32_t frame, const double point[3], const double normal[3],
                                  double weight)
 {
+    SPH__OWN(quadric, SPH__QUADRIC);
     const sph_status status = check_addition(quadric, frame, point, weight, "point");
     double unit[3], local[3], distance;
     frame_terms terms;
@@ -140,6 +144,7 @@ sph_status sph_quadric_add_plane(sph_quadric *quadric, uint32_t frame, const dou
 
 sph_status sph_quadric_add_attachment(sph_quadric *quadric, uint32_t frame, const double center[3], double weight)
 {
+    SPH__OWN(quadric, SPH__QUADRIC);
     static const int diagonal[3] = {0, 3, 5};
     const sph_status status = check_addition(quadric, frame, center, weight, "center");
     double local[3];
@@ -178,6 +183,8 @@ static void unite(frame_terms *frame, const frame_terms *other, scalar_terms *su
 
 sph_status sph_quadric_add(sph_quadric *quadric, const sph_quadric *other)
 {
+    SPH__OWN(quadric, SPH__QUADRIC);
+    SPH__OWN(other, SPH__QUADRIC);
     scalar_terms sums;
     if (quadric == NULL) return SPH_E_INVALID;
     if (other == NULL) return sph__fail(quadric->context, SPH_E_INVALID, "quadric: the other one is NULL");
@@ -207,6 +214,7 @@ sph_status sph_quadric_add(sph_quadric *quadric, const sph_quadric *other)
 
 sph_status sph_quadric_evaluate(const sph_quadric *quadric, const double *centers, double radius, double *cost)
 {
+    SPH__OWN(quadric, SPH__QUADRIC);
     double sum;
     if (quadric == NULL) return SPH_E_INVALID;
     if (centers == NULL || cost == NULL)
@@ -341,6 +349,7 @@ static sph_status check_segments(const sph_quadric *quadric, const double *u, co
 sph_status sph_quadric_minimize(const sph_quadric *quadric, const double *u, const double *v, double radius_max,
                                 sph_quadric_minimum *minimum, double *centers)
 {
+    SPH__OWN(quadric, SPH__QUADRIC);
     sph_status status;
     problem p;
     sph__box_minimum at;

@@ -308,6 +308,8 @@ static double least_of_spheres(const sph_query *first, const sph_query *second)
 
 sph_status sph_query_between(const sph_query *first, const sph_query *second, sph_gap *gap)
 {
+    SPH__OWN(first, SPH__QUERY);
+    SPH__OWN(second, SPH__QUERY);
     search s = {.first = first, .second = second};
     if (first == NULL || second == NULL || gap == NULL)
         return sph__fail(first != NULL    ? first->context
@@ -322,6 +324,8 @@ sph_status sph_query_between(const sph_query *first, const sph_query *second, sp
 
 sph_status sph_query_cast_between(const sph_query *first, const float motion[3], const sph_query *second, sph_gap *gap)
 {
+    SPH__OWN(first, SPH__QUERY);
+    SPH__OWN(second, SPH__QUERY);
     search s = {.first = first, .second = second, .moves = true, .limit = 1};
     sph_gap still;
     sph_status status;

@@ -345,6 +345,7 @@ static sph_status check(const sph_query *q, const char *name, const sph_sweep *s
 
 sph_status sph_query_cast(const sph_query *q, const sph_sweep *sweeps, size_t count, sph_hit *hits)
 {
+    SPH__OWN(q, SPH__QUERY);
     const sph_status status = check(q, "sph_query_cast", sweeps, count, hits);
     packet p;
     if (status != SPH_OK) return status;
@@ -359,6 +360,7 @@ sph_status sph_query_cast(const sph_query *q, const sph_sweep *sweeps, size_t co
 
 sph_status sph_query_cast_any(const sph_query *q, const sph_sweep *sweeps, size_t count, uint8_t *hits)
 {
+    SPH__OWN(q, SPH__QUERY);
     const sph_status status = check(q, "sph_query_cast_any", sweeps, count, hits);
     packet p;
     if (status != SPH_OK) return status;

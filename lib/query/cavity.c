@@ -241,6 +241,7 @@ static bool is_outside(const sph_query *q, const double x[3], const double norma
 sph_status sph_query_contains(const sph_query *q, const float *points, size_t stride, size_t count, int32_t cavities,
                               uint8_t *inside)
 {
+    SPH__OWN(q, SPH__QUERY);
     sph_status status;
     if (q == NULL || (inside == NULL && count != 0))
         return sph__fail(q == NULL ? NULL : q->context, SPH_E_INVALID, "sph_query_contains: an argument is NULL");

@@ -138,6 +138,7 @@ bool sph__query_covers(const sph_query *q, const double x[3], double margin)
 
 sph_status sph_query_nearest(const sph_query *q, const float *points, size_t stride, size_t count, sph_nearest *nearest)
 {
+    SPH__OWN(q, SPH__QUERY);
     sph_status status;
     if (q == NULL || (nearest == NULL && count != 0))
         return sph__fail(q == NULL ? NULL : q->context, SPH_E_INVALID, "sph_query_nearest: an argument is NULL");

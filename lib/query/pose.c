@@ -81,6 +81,7 @@ static void pose_between(sph_query *q, uint32_t before, uint32_t after, double s
 
 sph_status sph_query_pose_frame(sph_query *q, uint32_t frame)
 {
+    SPH__OWN(q, SPH__QUERY);
     if (q == NULL) return sph__fail(NULL, SPH_E_INVALID, "sph_query_pose_frame: the handle is NULL");
     if (frame >= q->frame_count)
         return sph__fail(q->context, SPH_E_INVALID, "frame %u of %u", (unsigned)frame, (unsigned)q->frame_count);
@@ -90,6 +91,7 @@ sph_status sph_query_pose_frame(sph_query *q, uint32_t frame)
 
 sph_status sph_query_pose_time(sph_query *q, double frame)
 {
+    SPH__OWN(q, SPH__QUERY);
     uint32_t before;
     if (q == NULL) return sph__fail(NULL, SPH_E_INVALID, "sph_query_pose_time: the handle is NULL");
     if (!(frame >= 0 && frame <= (double)(q->frame_count - 1)))
@@ -125,6 +127,7 @@ sph_status sph__query_check_points(const sph_query *q, const char *name, const f
 
 sph_status sph_query_pose_centers(sph_query *q, const float *centers, size_t stride, const float *radii)
 {
+    SPH__OWN(q, SPH__QUERY);
     sph_status status;
     if (q == NULL || centers == NULL)
         return sph__fail(q == NULL ? NULL : q->context, SPH_E_INVALID, "sph_query_pose_centers: an argument is NULL");

@@ -27,6 +27,7 @@ static sph_status read_options(const sph_context *context, const sph_query_optio
 
 void sph_query_destroy(sph_query *q)
 {
+    SPH__OWN(q, SPH__QUERY);
     sph_context *context;
     if (q == NULL) return;
     context = q->context;
@@ -243,6 +244,7 @@ static sph_status fill(sph_query *q, const sph_level *level, const sph_query_opt
 
 sph_status sph_query_create(const sph_level *level, const sph_query_options *options, sph_query **out)
 {
+    SPH__OWN(level, SPH__LEVEL);
     sph_query_options read;
     sph_query *q;
     sph_status status;
@@ -250,7 +252,7 @@ sph_status sph_query_create(const sph_level *level, const sph_query_options *opt
     if (level == NULL || out == NULL)
         return sph__fail(level == NULL ? NULL : level->context, SPH_E_INVALID, "sph_query_create: an argument is NULL");
     if ((status = read_options(level->context, options, &read)) != SPH_OK) return status;
-    if ((q = sph__zalloc(level->context, 1, sizeof *q)) == NULL) return sph__fail_memory(level->context);
+    if ((q = sph__new(level->context, sizeof *q, SPH__QUERY)) == NULL) return sph__fail_memory(level->context);
     q->context = sph__context_retain(level->context);
     if ((status = fill(q, level, &read)) != SPH_OK) {
         sph_query_destroy(q);

@@ -5,26 +5,31 @@
 
 uint32_t sph_progressive_collapse_count(const sph_progressive *p)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     return p == NULL ? 0 : p->collapse_count;
 }
 
 double sph_progressive_bounding_diagonal(const sph_progressive *p)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     return p == NULL ? 0 : p->bounding_diagonal;
 }
 
 uint32_t sph_progressive_pose_count(const sph_progressive *p)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     return p == NULL ? 0 : p->pose_count;
 }
 
 uint32_t sph_progressive_point_count(const sph_progressive *p)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     return p == NULL ? 0 : p->point_count;
 }
 
 uint32_t sph_progressive_influence_count(const sph_progressive *p)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     return p == NULL ? 0 : p->slots;
 }
 
@@ -42,6 +47,7 @@ static sph_status check_level(const sph_progressive *p, uint32_t level)
 
 sph_status sph_progressive_get_level(const sph_progressive *p, uint32_t level, sph_progressive_level *out)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     sph_status status;
     if (p == NULL || out == NULL)
         return sph__fail(p == NULL ? NULL : p->context, SPH_E_INVALID,
@@ -88,6 +94,7 @@ static sph_status find(const sph_progressive *p, const uint32_t *counts, uint32_
 
 sph_status sph_progressive_find_vertices(const sph_progressive *p, uint32_t vertex_count, uint32_t *level)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     if (p == NULL || level == NULL)
         return sph__fail(p == NULL ? NULL : p->context, SPH_E_INVALID,
                          "sph_progressive_find_vertices: an argument is NULL");
@@ -96,6 +103,7 @@ sph_status sph_progressive_find_vertices(const sph_progressive *p, uint32_t vert
 
 sph_status sph_progressive_find_triangles(const sph_progressive *p, uint32_t triangle_count, uint32_t *level)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     if (p == NULL || level == NULL)
         return sph__fail(p == NULL ? NULL : p->context, SPH_E_INVALID,
                          "sph_progressive_find_triangles: an argument is NULL");
@@ -104,6 +112,7 @@ sph_status sph_progressive_find_triangles(const sph_progressive *p, uint32_t tri
 
 sph_status sph_progressive_find_error(const sph_progressive *p, double max_error, uint32_t *level)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     uint32_t low = 0, high;
     if (p == NULL || level == NULL || !(max_error >= 0))
         return sph__fail(p == NULL ? NULL : p->context, SPH_E_INVALID,
@@ -137,6 +146,7 @@ sph__collapses sph__progressive_collapses(const sph_progressive *p)
 
 sph_status sph_progressive_create_cursor(const sph_progressive *p, sph_cursor **out)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     sph__collapses collapses;
     if (out != NULL) *out = NULL;
     if (p == NULL || out == NULL)
@@ -149,6 +159,7 @@ sph_status sph_progressive_create_cursor(const sph_progressive *p, sph_cursor **
 sph_status sph_progressive_point(const sph_progressive *p, uint32_t point, float rest[3], uint32_t *bones,
                                  float *weights)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     const size_t slots = p == NULL ? 0 : p->slots;
     if (p == NULL) return SPH_E_INVALID;
     if (point >= p->point_count + p->collapse_count)
@@ -279,6 +290,7 @@ static sph_status make_skin(const sph_progressive *p, const layout *l, sph_skin 
 
 sph_status sph_progressive_get_skin(const sph_progressive *p, uint32_t level, sph_skin **out)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     layout l;
     sph_status status;
     if (out != NULL) *out = NULL;
@@ -297,6 +309,7 @@ sph_status sph_progressive_get_skin(const sph_progressive *p, uint32_t level, sp
 sph_status sph_progressive_get_attributes(const sph_progressive *p, uint32_t level, float *normals, float *attributes,
                                           uint32_t *vertex_sources, uint32_t *triangle_sources)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     const size_t size = p == NULL ? 0 : p->value_count, count = p == NULL ? 0 : p->attribute_count;
     layout l;
     sph_status status;

@@ -168,6 +168,7 @@ static sph_status run_steps(sph__simplifier *b)
 
 sph_status sph_progressive_create(const sph_skin *skin, const sph_simplify_options *options, sph_progressive **out)
 {
+    SPH__OWN(skin, SPH__SKIN);
     sph__simplifier b = {.skin = skin};
     sph_status status;
     if (out != NULL) *out = NULL;
@@ -177,7 +178,7 @@ sph_status sph_progressive_create(const sph_skin *skin, const sph_simplify_optio
     b.context = skin->context;
     status = sph__simplify_read_options(skin, options, &b.o);
     if (status != SPH_OK) return status;
-    b.p = sph__zalloc(b.context, 1, sizeof *b.p);
+    b.p = sph__new(b.context, sizeof *b.p, SPH__PROGRESSIVE);
     if (b.p == NULL) return sph__fail_memory(b.context);
     b.p->context = sph__context_retain(skin->context);
     b.p->slots = b.o.influence_limit;
@@ -198,6 +199,7 @@ sph_status sph_progressive_create(const sph_skin *skin, const sph_simplify_optio
 
 void sph_progressive_destroy(sph_progressive *p)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     sph_context *context;
     if (p == NULL) return;
     context = p->context;

@@ -39,6 +39,7 @@ static sph_status check(const sph_skeleton *s, const double *matrices, uint32_t 
 
 sph_status sph_skeleton_get_locals(const sph_skeleton *skeleton, const double *transforms, double *locals)
 {
+    SPH__OWN(skeleton, SPH__SKELETON);
     sph_status status;
     if (skeleton == NULL || transforms == NULL || locals == NULL)
         return sph__fail(skeleton == NULL ? NULL : skeleton->context, SPH_E_INVALID,
@@ -63,6 +64,7 @@ sph_status sph_skeleton_get_locals(const sph_skeleton *skeleton, const double *t
 
 sph_status sph_skeleton_get_transforms(const sph_skeleton *skeleton, const double *locals, double *transforms)
 {
+    SPH__OWN(skeleton, SPH__SKELETON);
     double *worlds;
     sph_status status;
     if (skeleton == NULL || locals == NULL || transforms == NULL)

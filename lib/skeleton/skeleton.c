@@ -39,7 +39,7 @@ static sph_status allocate(sph_context *context, uint32_t bone_count, bool singl
     sph_skeleton *s;
     size_t joints;
     if (bone_count > INT32_MAX) return sph__fail(context, SPH_E_LIMIT, "a skeleton of %u bones", (unsigned)bone_count);
-    s = sph__zalloc(context, 1, sizeof *s);
+    s = sph__new(context, sizeof *s, SPH__SKELETON);
     if (s == NULL) return sph__fail_memory(context);
     s->context = sph__context_retain(context);
     s->bone_count = bone_count;
@@ -142,6 +142,7 @@ static void finish(sph_skeleton *s)
 
 sph_status sph_skeleton_create(const sph_skin *skin, const sph_skeleton_options *options, sph_skeleton **out)
 {
+    SPH__OWN(skin, SPH__SKIN);
     sph_skeleton_options o;
     sph_skeleton *skeleton = NULL;
     sph__progress progress;
@@ -169,6 +170,7 @@ sph_status sph_skeleton_create(const sph_skin *skin, const sph_skeleton_options 
 
 void sph_skeleton_destroy(sph_skeleton *skeleton)
 {
+    SPH__OWN(skeleton, SPH__SKELETON);
     sph_context *context;
     if (skeleton == NULL) return;
     context = skeleton->context;
@@ -184,6 +186,7 @@ void sph_skeleton_destroy(sph_skeleton *skeleton)
 
 sph_status sph_skeleton_get_arrays(const sph_skeleton *skeleton, sph_skeleton_arrays *arrays)
 {
+    SPH__OWN(skeleton, SPH__SKELETON);
     if (skeleton == NULL || arrays == NULL)
         return sph__fail(skeleton == NULL ? NULL : skeleton->context, SPH_E_INVALID,
                          "sph_skeleton_get_arrays: an argument is NULL");

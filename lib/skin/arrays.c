@@ -163,6 +163,7 @@ static sph_status fill(sph_skin *skin, const sph_skin_arrays *a)
 
 sph_status sph_skin_create_from_arrays(sph_context *context, const sph_skin_arrays *arrays, sph_skin **out)
 {
+    SPH__OWN(context, SPH__CONTEXT);
     sph_skin *skin = NULL;
     sph_status status;
     if (out != NULL) *out = NULL;

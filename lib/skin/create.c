@@ -191,6 +191,7 @@ static sph_status run(sph__skin_job *j, uint32_t frame_count)
 sph_status sph_skin_create(const sph_level *level, const sph_skin_source *sources, size_t source_count,
                            const sph_skin_options *options, sph_skin **out)
 {
+    SPH__OWN(level, SPH__LEVEL);
     sph__skin_job j = {.level = level, .sources = sources, .source_count = source_count};
     uint32_t frames;
     sph_status status;

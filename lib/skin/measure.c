@@ -177,8 +177,9 @@ sph_status sph__skin_check_sources(const sph_context *context, const sph_skin_so
     if (source_count == 0 || sources == NULL) return sph__fail(context, SPH_E_INVALID, "there are no sources");
     for (size_t s = 0; s < source_count; ++s) {
         const sph_skin_source *source = &sources[s];
-        if (source->animation == NULL)
-            return sph__fail(context, SPH_E_INVALID, "the animation of source %zu is NULL", s);
+        const sph_animation *animation = source->animation;
+        SPH__OWN(animation, SPH__ANIMATION);
+        if (animation == NULL) return sph__fail(context, SPH_E_INVALID, "the animation of source %zu is NULL", s);
         if (source->animation->vertex_count != vertex_count)
             return sph__fail(context, SPH_E_INVALID, "source %zu has %u vertices, not %u", s,
                              (unsigned)source->animation->vertex_count, (unsigned)vertex_count);
@@ -212,6 +213,7 @@ sph_status sph__skin_measure_self(sph_skin *skin, const sph_skin_source *sources
 sph_status sph_skin_measure(const sph_skin *skin, const sph_skin_source *sources, size_t source_count,
                             sph_skin_error *overall, sph_skin_error *per_frame)
 {
+    SPH__OWN(skin, SPH__SKIN);
     sph_skin_error *errors = NULL;
     sph__progress progress;
     uint32_t frames;

@@ -6,6 +6,7 @@
 
 void sph_skin_destroy(sph_skin *skin)
 {
+    SPH__OWN(skin, SPH__SKIN);
     sph_context *context;
     if (skin == NULL) return;
     context = skin->context;
@@ -33,7 +34,7 @@ sph_status sph__skin_allocate(sph_context *context, const sph_skin_arrays *sizes
     if (!sph__multiply_size(n, sizes->influence_count, &slots) ||
         !sph__multiply_size(bones, sizes->frame_count, &poses))
         return sph__fail_memory(context);
-    skin = sph__zalloc(context, 1, sizeof *skin);
+    skin = sph__new(context, sizeof *skin, SPH__SKIN);
     if (skin == NULL) return sph__fail_memory(context);
     skin->context = sph__context_retain(context);
     skin->vertex_count = sizes->vertex_count;
@@ -112,26 +113,31 @@ bool sph__skin_is_rigid(const double t[12])
 
 uint32_t sph_skin_vertex_count(const sph_skin *skin)
 {
+    SPH__OWN(skin, SPH__SKIN);
     return skin == NULL ? 0 : skin->vertex_count;
 }
 
 uint32_t sph_skin_bone_count(const sph_skin *skin)
 {
+    SPH__OWN(skin, SPH__SKIN);
     return skin == NULL ? 0 : skin->bone_count;
 }
 
 uint32_t sph_skin_influence_count(const sph_skin *skin)
 {
+    SPH__OWN(skin, SPH__SKIN);
     return skin == NULL ? 0 : skin->influence_count;
 }
 
 uint32_t sph_skin_frame_count(const sph_skin *skin)
 {
+    SPH__OWN(skin, SPH__SKIN);
     return skin == NULL ? 0 : skin->frame_count;
 }
 
 sph_status sph_skin_get_arrays(const sph_skin *skin, sph_skin_arrays *arrays)
 {
+    SPH__OWN(skin, SPH__SKIN);
     if (skin == NULL || arrays == NULL)
         return sph__fail(skin == NULL ? NULL : skin->context, SPH_E_INVALID,
                          "sph_skin_get_arrays: an argument is NULL");
@@ -161,6 +167,7 @@ sph_status sph_skin_get_arrays(const sph_skin *skin, sph_skin_arrays *arrays)
 
 sph_status sph_skin_get_errors(const sph_skin *skin, sph_skin_error *overall, sph_skin_error *per_frame)
 {
+    SPH__OWN(skin, SPH__SKIN);
     if (skin == NULL) return SPH_E_INVALID;
     if (skin->errors == NULL)
         return sph__fail(skin->context, SPH_E_STATE, "the skin was made from arrays: nothing was measured");

@@ -143,7 +143,7 @@ static sph_status extract_all(job *j, sph_surface *surface)
 static sph_status make_surface(job *j, sph_surface **out)
 {
     sph_status status = SPH_OK;
-    sph_surface *surface = sph__zalloc(j->context, 1, sizeof *surface);
+    sph_surface *surface = sph__new(j->context, sizeof *surface, SPH__SURFACE);
     if (surface == NULL) return sph__fail_memory(j->context);
     surface->context = sph__context_retain(j->level->context);
     surface->cell = j->cell;
@@ -166,6 +166,7 @@ static sph_status make_surface(job *j, sph_surface **out)
 
 sph_status sph_surface_create(const sph_level *level, const sph_surface_options *options, sph_surface **out)
 {
+    SPH__OWN(level, SPH__LEVEL);
     job j = {.level = level};
     sph_status status;
     if (out != NULL) *out = NULL;
@@ -181,6 +182,7 @@ sph_status sph_surface_create(const sph_level *level, const sph_surface_options 
 
 void sph_surface_destroy(sph_surface *surface)
 {
+    SPH__OWN(surface, SPH__SURFACE);
     sph_context *context;
     if (surface == NULL) return;
     context = surface->context;
@@ -201,40 +203,47 @@ static const sph__surface_mesh *mesh_at(const sph_surface *surface, uint32_t ind
 
 uint32_t sph_surface_frame_count(const sph_surface *surface)
 {
+    SPH__OWN(surface, SPH__SURFACE);
     return surface == NULL ? 0 : surface->frame_count;
 }
 
 double sph_surface_cell(const sph_surface *surface)
 {
+    SPH__OWN(surface, SPH__SURFACE);
     return surface == NULL ? 0 : surface->cell;
 }
 
 uint32_t sph_surface_vertex_count(const sph_surface *surface, uint32_t index)
 {
+    SPH__OWN(surface, SPH__SURFACE);
     const sph__surface_mesh *mesh = mesh_at(surface, index);
     return mesh == NULL ? 0 : mesh->vertex_count;
 }
 
 size_t sph_surface_triangle_count(const sph_surface *surface, uint32_t index)
 {
+    SPH__OWN(surface, SPH__SURFACE);
     const sph__surface_mesh *mesh = mesh_at(surface, index);
     return mesh == NULL ? 0 : mesh->triangle_count;
 }
 
 const float *sph_surface_positions(const sph_surface *surface, uint32_t index)
 {
+    SPH__OWN(surface, SPH__SURFACE);
     const sph__surface_mesh *mesh = mesh_at(surface, index);
     return mesh == NULL ? NULL : mesh->positions;
 }
 
 const float *sph_surface_normals(const sph_surface *surface, uint32_t index)
 {
+    SPH__OWN(surface, SPH__SURFACE);
     const sph__surface_mesh *mesh = mesh_at(surface, index);
     return mesh == NULL ? NULL : mesh->normals;
 }
 
 const uint32_t *sph_surface_triangles(const sph_surface *surface, uint32_t index)
 {
+    SPH__OWN(surface, SPH__SURFACE);
     const sph__surface_mesh *mesh = mesh_at(surface, index);
     return mesh == NULL ? NULL : mesh->triangles;
 }

@@ -143,14 +143,13 @@ def write_stub(name, result, parameters, out):
     out.append(f"static {result} stub_{name}({listed})\n{{\n    {unused}\n    {answer}\n}}\n")
 
 
-def write_call(headers, result, name, parameters, out):
+def arguments_of(headers, name, parameters, out, given_by_name):
+    """Declares what is passed for each parameter; the names of these, and what is to be done after the call."""
     arguments, after = [], []
-    out.append(f"static void call_{name}(uint64_t *r)\n{{\n    (void)r; /* not all have something to pick */")
     for kind, parameter in parameters:
         bare = kind.replace("const", "").replace(" ", "")
-        own = OWN.get(name, {}).get(parameter)
-        if own is not None:
-            given = own
+        if parameter in given_by_name:
+            given = given_by_name[parameter]
         elif bare.endswith("**") and bare[:-2] in headers.handles:
             out.append(f"    {bare[:-2]} *made = NULL;\n    const bool asked = pick(r, 8) != 0;")
             given = "asked ? &made : NULL"
@@ -165,6 +164,12 @@ def write_call(headers, result, name, parameters, out):
             sys.exit(f"{name}: no values for {kind} {parameter}")
         out.append(f"    {kind.replace('*', ' *')} {parameter}_ = {given};".replace("  ", " ").replace("\n ", "\n    "))
         arguments.append(f"{parameter}_")
+    return arguments, after
+
+
+def write_call(headers, result, name, parameters, out):
+    out.append(f"static void call_{name}(uint64_t *r)\n{{\n    (void)r; /* not all have something to pick */")
+    arguments, after = arguments_of(headers, name, parameters, out, OWN.get(name, {}))
     call = f"{name}({', '.join(arguments)})"
     if result == "sph_status":
         out.append(f"    const sph_status status = {call};\n    CHECK(status >= SPH_OK);")
@@ -176,6 +181,31 @@ def write_call(headers, result, name, parameters, out):
         out[-1] = f"    sph_context_release(context_, {call});"
     out.extend(after)
     out.append("}\n")
+
+
+def handle_parameters(headers, parameters):
+    """(kind, parameter) of those that take a handle."""
+    for kind, parameter in parameters:
+        bare = kind.replace("const", "").replace(" ", "")
+        if bare.endswith("*") and bare[:-1] in headers.handles:
+            yield bare[:-1][4:], parameter
+
+
+def write_foreign_call(headers, result, name, parameters, parameter, out):
+    """The same call with `handle` for one parameter: the status, or SPH_OK where it tells anything of what it was given."""
+    out.append(f"static sph_status foreign_{name}_{parameter}(uint64_t *r, void *handle)\n{{\n    (void)r;")
+    arguments, after = arguments_of(headers, name, parameters, out, {**OWN.get(name, {}), parameter: "handle"})
+    call = f"{name}({', '.join(arguments)})"
+    if result == "sph_status":
+        out.append(f"    const sph_status status = {call};")
+    elif result == "void":
+        out.append(f"    const sph_status status = SPH_E_INVALID;\n    {call};")
+    elif name == "sph_context_last_message":
+        out.append(f"    const sph_status status = *{call} == '\\0' ? SPH_E_INVALID : SPH_OK;")
+    else:
+        out.append(f"    const sph_status status = {call} == 0 ? SPH_E_INVALID : SPH_OK;")
+    out.extend(after)
+    out.append("    return status;\n}\n")
 
 
 def main(folder, target):
@@ -195,6 +225,14 @@ def main(folder, target):
             write_struct(headers, name, out)
     for function in headers.functions:
         write_call(headers, *function, out)
+    foreign = [(*function, kind, parameter) for function in headers.functions
+               for kind, parameter in handle_parameters(headers, function[2])]
+    for result, name, parameters, _, parameter in foreign:
+        write_foreign_call(headers, result, name, parameters, parameter, out)
+    out.append("const api_foreign_call API_FOREIGN_CALLS[] = {")
+    out += [f"    {{\"{name}\", \"{kind}\", {str(result == 'sph_status').lower()}, foreign_{name}_{parameter}}},"
+            for result, name, _, kind, parameter in foreign]
+    out.append("};\nconst size_t API_FOREIGN_CALL_COUNT = sizeof API_FOREIGN_CALLS / sizeof *API_FOREIGN_CALLS;")
     out.append("const api_call API_CALLS[] = {")
     out += [f"    {{\"{name}\", call_{name}}}," for _, name, _ in headers.functions]
     out.append("};\nconst size_t API_CALL_COUNT = sizeof API_CALLS / sizeof *API_CALLS;")
