@@ -316,7 +316,7 @@ sph_status sph_progressive_get_attributes(const sph_progressive *p, uint32_t lev
     if (p == NULL) return SPH_E_INVALID;
     if ((status = open_level(p, level, &l)) != SPH_OK) return status;
     for (size_t i = 0; i < l.vertex_count; ++i) {
-        const float *values = p->values + l.wedges[i] * size;
+        const float *values = size == 0 ? NULL : p->values + l.wedges[i] * size;
         for (size_t c = 0; c < 3 && normals != NULL; ++c) normals[3 * i + c] = size > count ? values[c] : 0;
         if (attributes != NULL && count != 0)
             memcpy(attributes + i * count, values + size - count, count * sizeof *values);

@@ -66,7 +66,7 @@ static sph_status make_wedge(sph__simplifier *b, size_t count, uint32_t class, u
         !sph__reserve(b->context, (void **)&p->wedge_sources, &b->source_capacity, at + 1, sizeof *p->wedge_sources) ||
         !sph__reserve(b->context, (void **)&b->uses, &b->use_capacity, at + 1, sizeof *b->uses))
         return sph__fail_memory(b->context);
-    blend_values(b, count, class, t, p->values + at * size);
+    if (size != 0) blend_values(b, count, class, t, p->values + at * size);
     p->wedge_points[at] = w;
     p->wedge_sources[at] = p->wedge_sources[b->around[class].wedge];
     b->uses[at] = 0;

@@ -95,7 +95,7 @@ static sph_status copy_values(sph__simplifier *b)
     if (!sph__multiply_size(n, size, &count) ||
         !sph__reserve(b->context, (void **)&b->p->values, &b->value_capacity, count, sizeof(float)))
         return sph__fail_memory(b->context);
-    for (size_t v = 0; v < n; ++v) {
+    for (size_t v = 0; v < n && size != 0; ++v) {
         float *values = b->p->values + v * size;
         if (normal != 0) memcpy(values, b->o.normals + 3 * v, 3 * sizeof *values);
         if (rest != 0) memcpy(values + normal, b->o.attributes + v * rest, rest * sizeof *values);
