@@ -35,6 +35,7 @@ uint32_t sph_progressive_influence_count(const sph_progressive *p)
 
 uint32_t sph_progressive_attribute_count(const sph_progressive *p)
 {
+    SPH__OWN(p, SPH__PROGRESSIVE);
     return p == NULL ? 0 : p->attribute_count;
 }
 
