@@ -140,6 +140,11 @@ class Hierarchy(Owned):
         self.context.check(lib.sph_hierarchy_count_for_error(self._pointer, error, ctypes.byref(out)))
         return out.value
 
+    def error_for_count(self, sphere_count: int) -> float:
+        """Error of the level with so many spheres (model units), as in collapses(); 0 for the finest."""
+        done = self.vertex_count - sphere_count
+        return float(self.collapses(done - 1, 1)["error"][0]) if done else 0.0
+
     def level(self, sphere_count: Optional[int] = None, *, error: Optional[float] = None, first_frame: int = 0,
               frame_count: int = 0, labels: bool = True) -> Level:
         """One level of detail.

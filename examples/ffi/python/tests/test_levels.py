@@ -56,6 +56,9 @@ def test_collapses_tell_the_whole_history(hierarchy):
     assert np.array_equal(np.sort(np.concatenate([steps["u"], steps["v"]])), np.arange(574))  # each node but the last
     assert (np.diff(steps["error"]) >= 0).all()
     assert hierarchy.collapses(280, 3).tobytes() == steps[280:283].tobytes()
+    assert [hierarchy.error_for_count(288 - done) for done in (0, 1, 201)] == [0, steps["error"][0], steps["error"][200]]
+    with pytest.raises(ValueError):
+        hierarchy.error_for_count(0)
     error = float(steps["error"][200])
     expected = 288 - int((steps["error"] <= error).sum())
     assert hierarchy.count_for_error(error) == hierarchy.level(error=error).sphere_count == expected
