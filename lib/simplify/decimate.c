@@ -21,18 +21,18 @@ static sph__posed posed_of(const sph__simplifier *b, uint32_t point)
 /* Adds the weights of a point to those of the union; bones that are not among them yet come after. */
 static void add_bones(const sph__simplifier *b, uint32_t point, uint32_t *bones, uint32_t *count, double *weights)
 {
-    const size_t first = (size_t)point * b->p->slots;
-    for (uint32_t s = 0; s < b->p->slots && b->p->weights[first + s] > 0; ++s) {
+    const size_t first = (size_t)point * b->wide;
+    for (uint32_t s = 0; s < b->wide && b->weights[first + s] > 0; ++s) {
         uint32_t at = 0;
-        while (at < *count && bones[at] != b->p->bones[first + s]) ++at;
-        if (at == *count) bones[(*count)++] = b->p->bones[first + s];
-        weights[at] = (double)b->p->weights[first + s];
+        while (at < *count && bones[at] != b->bones[first + s]) ++at;
+        if (at == *count) bones[(*count)++] = b->bones[first + s];
+        weights[at] = (double)b->weights[first + s];
     }
 }
 
 static void rest_of(const sph__simplifier *b, uint32_t point, double rest[3])
 {
-    for (int c = 0; c < 3; ++c) rest[c] = (double)b->p->rest[3 * (size_t)point + c];
+    for (int c = 0; c < 3; ++c) rest[c] = (double)b->rest[3 * (size_t)point + c];
 }
 
 /* How far along the edge, which begins at 0, a place is. */
@@ -79,7 +79,7 @@ static double minimise(const sph__simplifier *b, sph__solver *solver, uint32_t f
     *best = trials[least];
     if (fixed != 0) return least;
     if (b->o.method == SPH_SIMPLIFY_SKINNED)
-        sph__solve_limited(solver, b->o.influence_limit, best);
+        sph__solve_limited(solver, b->wide, best);
     else
         sph__solve_position(solver, best);
     if (b->o.method == SPH_SIMPLIFY_POSITION) return least == 2 ? 0.5 : least;
@@ -192,22 +192,58 @@ static bool pinches(sph__simplifier *b, uint32_t u, uint32_t v, uint32_t w)
     return shared > 0;
 }
 
-/* The point w, as it will be: its numbers are those that leave the library. */
-static void place_merged(sph__simplifier *b, uint32_t u, uint32_t v, uint32_t w, merge *m)
+/* A point of another, to the bit, as collapses see it and as it leaves the library. */
+static void copy_point(sph__simplifier *b, uint32_t from, uint32_t to)
 {
     sph_progressive *p = b->p;
-    const size_t slots = p->slots;
+    const size_t slots = p->slots, wide = b->wide;
+    memcpy(p->rest + 3 * (size_t)to, p->rest + 3 * (size_t)from, 3 * sizeof *p->rest);
+    memcpy(p->bones + to * slots, p->bones + from * slots, slots * sizeof *p->bones);
+    memcpy(p->weights + to * slots, p->weights + from * slots, slots * sizeof *p->weights);
+    memcpy(b->rest + 3 * (size_t)to, b->rest + 3 * (size_t)from, 3 * sizeof *b->rest);
+    memcpy(b->bones + to * wide, b->bones + from * wide, wide * sizeof *b->bones);
+    memcpy(b->weights + to * wide, b->weights + from * wide, wide * sizeof *b->weights);
+}
+
+/* The point w, as it will be. */
+static void place_merged(sph__simplifier *b, uint32_t u, uint32_t v, uint32_t w, merge *m)
+{
     b->locked[w] = b->locked[u] || b->locked[v];
-    if (b->locked[w]) { /* the very same */
-        const uint32_t from = b->locked[u] ? u : v;
-        memcpy(p->rest + 3 * (size_t)w, p->rest + 3 * (size_t)from, 3 * sizeof *p->rest);
-        memcpy(p->bones + w * slots, p->bones + from * slots, slots * sizeof *p->bones);
-        memcpy(p->weights + w * slots, p->weights + from * slots, slots * sizeof *p->weights);
+    if (b->locked[w]) {
+        copy_point(b, b->locked[u] ? u : v, w);
     } else {
-        for (int c = 0; c < 3; ++c) p->rest[3 * (size_t)w + c] = (float)m->rest[c];
-        sph__weights_order(m->bones, m->weights, m->count, p->slots, p->bones + w * slots, p->weights + w * slots);
+        for (int c = 0; c < 3; ++c) b->rest[3 * (size_t)w + c] = (float)m->rest[c];
+        sph__weights_order(m->bones, m->weights, m->count, b->wide, b->bones + (size_t)w * b->wide,
+                           b->weights + (size_t)w * b->wide);
     }
     sph__simplify_place(b, w, b->new_center);
+}
+
+/* The point as it leaves the library, with no more bones than are asked for: pruned, and minimised again. Returns its error. */
+static double show_point(sph__simplifier *b, uint32_t w)
+{
+    sph_progressive *p = b->p;
+    sph__solver *solver = &b->rooms[0];
+    const sph__posed own = posed_of(b, w), none = {b->zeros, own.center, 0};
+    uint32_t bones[SPH__SIMPLIFY_BONES];
+    double rest[3];
+    sph__trial trial = {.x = {0, 0, 0}};
+    uint32_t count = 0;
+    add_bones(b, w, bones, &count, trial.weights);
+    rest_of(b, w, rest);
+    trial.error = own.constant;
+    if (count > p->slots && b->o.method == SPH_SIMPLIFY_SKINNED && !b->locked[w]) {
+        for (int c = 0; c < 3; ++c) solver->edge[c] = 0;
+        solver->form.count = count;
+        sph__kernel_form(&own, &none, b->stride, b->transforms, b->transform_count, bones, rest, solver->room,
+                         &solver->form);
+        sph__solve_limited(solver, p->slots, &trial);
+    }
+    if (b->locked[w]) return trial.error;
+    for (int c = 0; c < 3; ++c) p->rest[3 * (size_t)w + c] = (float)(rest[c] + trial.x[c]);
+    sph__weights_order(bones, trial.weights, count, p->slots, p->bones + (size_t)w * p->slots,
+                       p->weights + (size_t)w * p->slots);
+    return trial.error > 0 ? trial.error : 0;
 }
 
 static void record_level(sph__simplifier *b, double worst, bool forced)
@@ -229,12 +265,13 @@ static double unite_quadrics(sph__simplifier *b, uint32_t u, uint32_t v, uint32_
     const uint32_t su = b->slot_of[u], sv = b->slot_of[v];
     double cost = sph__kernel_unite_posed(&pu, &pv, b->stride, b->new_center, sph__block_of(b, u));
     if (cost < 0) cost = 0;
-    b->live_cost += cost - b->costs[su] - b->costs[sv];
     b->costs[su] = cost;
     b->areas[su] += b->areas[sv];
     b->slot_of[w] = su;
     memcpy(sph__center_of(b, w), b->new_center, 3 * b->stride * sizeof *b->new_center);
-    return b->areas[su] > 0 ? sqrt(cost / b->areas[su]) / b->scale : 0;
+    b->live_cost -= b->shown[su] + b->shown[sv];
+    b->live_cost += b->shown[su] = show_point(b, w);
+    return b->areas[su] > 0 ? sqrt(b->shown[su] / b->areas[su]) / b->scale : 0;
 }
 
 static sph_status collapse(sph__simplifier *b, uint32_t u, uint32_t v, const merge *m, bool forced)

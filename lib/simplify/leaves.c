@@ -135,16 +135,14 @@ static void store(const sph__simplifier *b, uint32_t point, const double *block)
 {
     const size_t size = SPH__QUADRIC_ROWS * b->example_stride;
     float *out = b->blocks + point * SPH__QUADRIC_ROWS * b->stride;
-    const sph_progressive *p = b->p;
-    uint32_t count = 0;
     double pulled[6];
     if (b->o.method != SPH_SIMPLIFY_PULLED_BACK) {
         for (size_t i = 0; i < size; ++i) out[i] = (float)block[i];
         return;
     }
-    while (count < p->slots && p->weights[(size_t)point * p->slots + count] > 0) ++count;
-    sph__kernel_pull_back(block, b->examples, b->skin->bone_count, b->example_stride, p->bones + (size_t)point * p->slots,
-                          p->weights + (size_t)point * p->slots, count, pulled);
+    sph__kernel_pull_back(block, b->examples, b->skin->bone_count, b->example_stride,
+                          b->bones + (size_t)point * b->wide, b->weights + (size_t)point * b->wide,
+                          sph__simplify_bone_count(b, point), pulled);
     memset(out, 0, SPH__QUADRIC_ROWS * SPH__LANES * sizeof *out);
     for (size_t q = 0; q < 6; ++q) out[q * SPH__LANES] = (float)(pulled[q] / (b->scale * b->scale));
 }
@@ -160,7 +158,7 @@ static void make_leaf(const leaves *l, uint32_t point, double *block)
     memset(block, 0, SPH__QUADRIC_ROWS * b->example_stride * sizeof *block);
     for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_triangles, point); ++i)
         add_triangle(l, triangles[i], point, pulled ? posed : sph__center_of(b, point), block, sums);
-    b->costs[point] = sums[0];
+    b->costs[point] = b->shown[point] = sums[0];
     b->areas[point] = sums[1];
     store(b, point, block);
 }
@@ -182,12 +180,14 @@ static sph_status allocate(leaves *l)
     l->blocks = sph__alloc(b->context, SPH__SIMPLIFY_ROOMS, SPH__QUADRIC_ROWS * b->example_stride * sizeof *l->blocks);
     b->centers = sph__alloc(b->context, 2 * n, 3 * b->stride * sizeof *b->centers);
     b->new_center = sph__alloc(b->context, 3 * b->stride, sizeof *b->new_center);
+    b->zeros = sph__zalloc(b->context, block, sizeof *b->zeros);
     b->blocks = sph__alloc(b->context, n, block * sizeof *b->blocks);
     b->costs = sph__alloc(b->context, n, sizeof *b->costs);
     b->areas = sph__alloc(b->context, n, sizeof *b->areas);
+    b->shown = sph__alloc(b->context, n, sizeof *b->shown);
     b->slot_of = sph__alloc(b->context, 2 * n, sizeof *b->slot_of);
-    if (l->posed == NULL || l->borders == NULL || l->blocks == NULL || b->centers == NULL || b->new_center == NULL ||
-        b->blocks == NULL || b->costs == NULL || b->areas == NULL || b->slot_of == NULL)
+    if (l->posed == NULL || l->borders == NULL || l->blocks == NULL || b->centers == NULL || b->new_center == NULL || b->zeros == NULL ||
+        b->blocks == NULL || b->costs == NULL || b->areas == NULL || b->shown == NULL || b->slot_of == NULL)
         return sph__fail_memory(b->context);
     l->grain = (n + SPH__SIMPLIFY_ROOMS - 1) / SPH__SIMPLIFY_ROOMS;
     return SPH_OK;

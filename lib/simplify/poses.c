@@ -68,34 +68,43 @@ sph_status sph__simplify_read_poses(sph__simplifier *b)
     return SPH_OK;
 }
 
+uint32_t sph__simplify_bone_count(const sph__simplifier *b, uint32_t point)
+{
+    const float *weights = b->weights + (size_t)point * b->wide;
+    uint32_t count = 0;
+    while (count < b->wide && weights[count] > 0) ++count;
+    return count;
+}
+
 void sph__simplify_place(const sph__simplifier *b, uint32_t point, float *center)
 {
     static const uint32_t BONE = 0;
     static const float ONE = 1;
-    const sph_progressive *p = b->p;
-    const float *rest = p->rest + 3 * (size_t)point;
+    const float *rest = b->rest + 3 * (size_t)point;
     const double at[3] = {(double)rest[0], (double)rest[1], (double)rest[2]};
-    const uint32_t *bones = p->bones + (size_t)point * p->slots;
-    const float *weights = p->weights + (size_t)point * p->slots;
-    uint32_t count = 0;
-    while (count < p->slots && weights[count] > 0) ++count;
     if (b->transform_count == 1)
         sph__kernel_place(b->transforms, 1, b->stride, at, &BONE, &ONE, 1, center);
     else
-        sph__kernel_place(b->transforms, b->transform_count, b->stride, at, bones, weights, count, center);
+        sph__kernel_place(b->transforms, b->transform_count, b->stride, at, b->bones + (size_t)point * b->wide,
+                          b->weights + (size_t)point * b->wide, sph__simplify_bone_count(b, point), center);
 }
 
 static sph_status allocate(sph__simplifier *b)
 {
     sph_progressive *p = b->p;
     const size_t most = 2 * (size_t)b->points;
-    size_t slots;
-    if (!sph__multiply_size(most, p->slots, &slots)) return sph__fail_memory(b->context);
+    size_t slots, wide;
+    if (!sph__multiply_size(most, p->slots, &slots) || !sph__multiply_size(most, b->wide, &wide))
+        return sph__fail_memory(b->context);
+    b->rest = sph__alloc(b->context, most, 3 * sizeof *b->rest);
+    b->bones = sph__alloc(b->context, wide, sizeof *b->bones);
+    b->weights = sph__alloc(b->context, wide, sizeof *b->weights);
     p->rest = sph__alloc(b->context, most, 3 * sizeof *p->rest);
     p->bones = sph__alloc(b->context, slots, sizeof *p->bones);
     p->weights = sph__alloc(b->context, slots, sizeof *p->weights);
     b->locked = sph__zalloc(b->context, most, 1);
-    if (p->rest == NULL || p->bones == NULL || p->weights == NULL || b->locked == NULL)
+    if (p->rest == NULL || p->bones == NULL || p->weights == NULL || b->locked == NULL || b->rest == NULL ||
+        b->bones == NULL || b->weights == NULL)
         return sph__fail_memory(b->context);
     return SPH_OK;
 }
@@ -105,13 +114,16 @@ static void set_point(sph__simplifier *b, uint32_t v, uint32_t *bones, double *w
 {
     const uint32_t k = b->skin->influence_count;
     const size_t point = b->point_of[v];
-    for (uint32_t s = 0; s < k; ++s) {
-        bones[s] = b->skin->bones[(size_t)v * k + s];
-        weights[s] = (double)b->skin->weights[(size_t)v * k + s];
+    for (int side = 0; side < 2; ++side) {
+        const uint32_t limit = side == 0 ? b->p->slots : b->wide;
+        for (uint32_t s = 0; s < k; ++s) {
+            bones[s] = b->skin->bones[(size_t)v * k + s];
+            weights[s] = (double)b->skin->weights[(size_t)v * k + s];
+        }
+        sph__weights_order(bones, weights, k, limit, (side == 0 ? b->p->bones : b->bones) + point * limit,
+                           (side == 0 ? b->p->weights : b->weights) + point * limit);
+        memcpy((side == 0 ? b->p->rest : b->rest) + 3 * point, b->skin->rest + 3 * (size_t)v, 3 * sizeof *b->rest);
     }
-    sph__weights_order(bones, weights, k, b->p->slots, b->p->bones + point * b->p->slots,
-                       b->p->weights + point * b->p->slots);
-    memcpy(b->p->rest + 3 * point, b->skin->rest + 3 * (size_t)v, 3 * sizeof *b->p->rest);
 }
 
 sph_status sph__simplify_make_points(sph__simplifier *b)

@@ -87,7 +87,7 @@ static sph_status make_corners(sph__simplifier *b)
 /* Each room takes what an edge of most bones needs. */
 static sph_status make_rooms(sph__simplifier *b)
 {
-    const size_t bones = 2 * (size_t)b->p->slots, pairs = bones * (bones + 1) / 2;
+    const size_t bones = 2 * (size_t)b->wide, pairs = bones * (bones + 1) / 2;
     for (int i = 0; i < SPH__SIMPLIFY_ROOMS; ++i) {
         sph__solver *s = &b->rooms[i];
         s->tolerance = b->o.tolerance;
@@ -128,6 +128,11 @@ static void free_simplifier(sph__simplifier *b)
     sph__free(context, b->slot_of);
     sph__free(context, b->locked);
     sph__free(context, b->new_center);
+    sph__free(context, b->zeros);
+    sph__free(context, b->shown);
+    sph__free(context, b->rest);
+    sph__free(context, b->bones);
+    sph__free(context, b->weights);
     sph__free(context, b->uses);
     sph__free(context, b->around);
     sph__free(context, b->moved);
@@ -182,6 +187,8 @@ sph_status sph_progressive_create(const sph_skin *skin, const sph_simplify_optio
     if (b.p == NULL) return sph__fail_memory(b.context);
     b.p->context = sph__context_retain(skin->context);
     b.p->slots = b.o.influence_limit;
+    b.wide = skin->bone_count < SPH__SIMPLIFY_WIDE ? skin->bone_count : SPH__SIMPLIFY_WIDE;
+    if (b.wide < b.p->slots) b.wide = b.p->slots;
     b.p->attribute_count = b.o.attribute_count;
     b.p->value_count = b.o.attribute_count + (b.o.normals == NULL ? 0 : 3);
     b.n = skin->vertex_count;

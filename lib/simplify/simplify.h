@@ -40,6 +40,10 @@ struct sph_progressive {
 /* For walking over it. */
 sph__collapses sph__progressive_collapses(const sph_progressive *progressive);
 
+/* Collapses look at up to so many bones of a point, whatever few of them leave the library in the end: what is pruned early
+ * is missed later. */
+enum { SPH__SIMPLIFY_WIDE = 12 };
+
 /* Around so many edges at once are errors found, each with room of its own. */
 enum { SPH__SIMPLIFY_ROOMS = 16 };
 
@@ -69,13 +73,18 @@ typedef struct sph__simplifier {
     uint32_t *stamps;       /* [mesh.triangle_count]: the last point that has it */
     sph__edge_queue queue;
     sph__births births;
+    uint32_t wide;          /* bones and weights of a point, while collapses look at it */
+    float *rest, *weights;  /* [2 points][3], [2 points][wide] */
+    uint32_t *bones;        /* [2 points][wide] */
     float *centers;         /* [2 points][3][stride]: where points are in the poses */
     float *blocks;          /* [points][SPH__QUADRIC_ROWS * stride] by slot */
     double *costs, *areas;  /* [points] by slot: the quadric at the point; the area that it stands for */
+    double *shown;          /* [points] by slot: the quadric at the point as it leaves the library */
     uint32_t *slot_of;      /* [2 points] */
     uint8_t *locked;        /* [2 points] */
     double live_cost, live_area;
     float *new_center;      /* [3][stride] */
+    float *zeros;           /* [SPH__QUADRIC_ROWS * stride]: the quadric of nothing */
 
     uint32_t *uses; /* [wedges]: by triangles */
     uint32_t vertex_count, triangle_count;
@@ -108,9 +117,11 @@ sph_status sph__simplify_weld(sph__simplifier *b);
 
 /* --- poses.c: the example poses, and points with their places in them --- */
 sph_status sph__simplify_read_poses(sph__simplifier *b);
-/* Rest, bones and weights of the points, at most so many as are asked for. */
+/* Rest, bones and weights of the points, for collapses and as they leave the library. */
 sph_status sph__simplify_make_points(sph__simplifier *b);
-/* Where a point of the progressive mesh is in the poses. */
+/* How many bones a point has. */
+uint32_t sph__simplify_bone_count(const sph__simplifier *b, uint32_t point);
+/* Where a point is in the poses. */
 void sph__simplify_place(const sph__simplifier *b, uint32_t point, float *center);
 
 /* --- leaves.c --- */
