@@ -151,7 +151,11 @@ static sph_status push_fresh(sph__simplifier *b)
 
 static sph_status add_fresh(sph__simplifier *b, uint32_t edge)
 {
-    if (is_fixed(b, edge)) return SPH_OK;
+    if (is_fixed(b, edge)) { /* it may have been in the queue before one end was united with what is locked */
+        sph__heap_remove(&b->queue.open, edge);
+        sph__heap_remove(&b->queue.refused, edge);
+        return SPH_OK;
+    }
     if (!sph__reserve(b->context, (void **)&b->fresh, &b->fresh_capacity, b->fresh_count + 1, sizeof *b->fresh) ||
         !sph__reserve(b->context, (void **)&b->fresh_costs, &b->fresh_cost_capacity, b->fresh_count + 1,
                       sizeof *b->fresh_costs))
