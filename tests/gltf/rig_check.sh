@@ -8,5 +8,5 @@ here=$(cd "$(dirname "$0")" && pwd)
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$here/make_rigs.sh" "$folder" "$2" "$3"
-node "$here/validate.mjs" "$1/npm" "$folder"/*-{tree,list}.glb "$folder"/*-root.gltf
+node "$here/validate.mjs" "$1/npm" "$folder"/*-{tree,list}.glb "$folder"/*-lod*.glb "$folder"/*-root.gltf
 node "$here/three_rigs.mjs" "$1/npm" "$folder/rigs.json"
