@@ -97,6 +97,36 @@ static uint32_t add_accessor(sph__levels_writer *w, unsigned char *bytes, size_t
     return sph__io_gltf_add_accessor(&w->w, view, 0, type, width, count, more);
 }
 
+/* How far places, or moves, go: what their accessors must tell. */
+typedef struct bounds {
+    float low[3], high[3];
+} bounds;
+
+static const bounds NOWHERE = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+static void extend(bounds *b, const float xyz[3])
+{
+    for (int c = 0; c < 3; ++c) {
+        b->low[c] = fminf(b->low[c], xyz[c]);
+        b->high[c] = fmaxf(b->high[c], xyz[c]);
+    }
+}
+
+static uint32_t add_bounded(sph__levels_writer *w, unsigned char *bytes, size_t count, const bounds *b)
+{
+    sph__io_text text = {.context = w->l->context};
+    uint32_t accessor;
+    sph__io_text_add(&text, ",\"min\":");
+    sph__io_text_floats(&text, b->low, 3);
+    sph__io_text_add(&text, ",\"max\":");
+    sph__io_text_floats(&text, b->high, 3);
+    sph__io_text_bytes(&text, "", 1);
+    w->w.accessors.failed = w->w.accessors.failed || text.failed;
+    accessor = add_accessor(w, bytes, count, 12, SPH__GLTF_F32, "VEC3", SPH__GLTF_VERTICES, text.failed ? "" : text.text);
+    sph__io_text_release(&text);
+    return accessor;
+}
+
 /* What a morph target's resting weight adds to a vertex is taken off again: engines will add it. */
 static void take_morphs_off(const piece *p, uint32_t vertex, float xyz[3])
 {
@@ -115,29 +145,16 @@ static void take_morphs_off(const piece *p, uint32_t vertex, float xyz[3])
 static uint32_t put_positions(const piece *p)
 {
     unsigned char *bytes = make_room(p->w, p->vertex_count, 12);
-    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    sph__io_text bounds = {.context = p->w->l->context};
-    uint32_t accessor;
+    bounds b = NOWHERE;
     for (uint32_t i = 0; i < p->vertex_count && bytes != NULL; ++i) {
         float xyz[3];
         memcpy(xyz, p->m->a.rest + 3 * (size_t)p->m->used[i], sizeof xyz);
         take_morphs_off(p, p->m->used[i], xyz);
-        for (int c = 0; c < 3; ++c) {
-            low[c] = fminf(low[c], xyz[c]);
-            high[c] = fmaxf(high[c], xyz[c]);
+        extend(&b, xyz);
+        for (int c = 0; c < 3; ++c)
             put_float(bytes + 12 * (size_t)i + 4 * c, xyz[c]);
-        }
     }
-    sph__io_text_add(&bounds, ",\"min\":");
-    sph__io_text_floats(&bounds, low, 3);
-    sph__io_text_add(&bounds, ",\"max\":");
-    sph__io_text_floats(&bounds, high, 3);
-    sph__io_text_bytes(&bounds, "", 1);
-    p->w->w.accessors.failed = p->w->w.accessors.failed || bounds.failed;
-    accessor = add_accessor(p->w, bytes, p->vertex_count, 12, SPH__GLTF_F32, "VEC3", SPH__GLTF_VERTICES,
-                            bounds.failed ? "" : bounds.text);
-    sph__io_text_release(&bounds);
-    return accessor;
+    return add_bounded(p->w, bytes, p->vertex_count, &b);
 }
 
 /* What blending may have made of an attribute that the format binds: unit vectors, colours. */
@@ -157,14 +174,18 @@ static uint32_t put_attribute(const piece *p, const sph__levels_attribute *a)
     const sph_io_rig_levels *l = p->w->l;
     const size_t size = 4 * (size_t)a->width;
     unsigned char *bytes = make_room(p->w, p->vertex_count, size);
+    bounds b = NOWHERE;
     for (uint32_t i = 0; i < p->vertex_count && bytes != NULL; ++i) {
         const size_t v = p->m->used[i];
         float x[4] = {0, 0, 0, 0};
         memcpy(x, a->normal ? p->m->normals + 3 * v : p->m->numbers + v * l->columns + a->column, size);
         keep_rules(&l->d, a, x);
+        extend(&b, x);
         for (uint32_t c = 0; c < a->width; ++c)
             put_float(bytes + size * i + 4 * (size_t)c, x[c]);
     }
+    if (a->width == 3 && sph__gltf_is(&l->d, a->name, "POSITION"))
+        return add_bounded(p->w, bytes, p->vertex_count, &b);
     return add_accessor(p->w, bytes, p->vertex_count, size, SPH__GLTF_F32, WIDTHS[a->width], SPH__GLTF_VERTICES, "");
 }
 

@@ -169,6 +169,10 @@ class Simplify(Case):
                 a = p["attributes"]
                 self.assertEqual(sorted(a), ["JOINTS_0", "NORMAL", "POSITION", "TEXCOORD_0", "WEIGHTS_0"])
                 morphs = document.rows(p["targets"][0]["POSITION"])
+                for index, rows in ((a["POSITION"], document.rows(a["POSITION"])), (p["targets"][0]["POSITION"], morphs)):
+                    accessor = document.json["accessors"][index]
+                    told = [struct.unpack("<3f", struct.pack("<3f", *accessor[key])) for key in ("min", "max")]
+                    self.assertEqual(told, [tuple(map(bound, zip(*rows))) for bound in (min, max)])
                 for row in zip(*(document.rows(a[key]) for key in sorted(a)), morphs):
                     joints, normal, (x, y, z), (u, v), weights, morph = row
                     angle = math.atan2(z, y) / (2 * math.pi)
