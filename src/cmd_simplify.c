@@ -9,40 +9,39 @@
 #include "report.h"
 #include "session.h"
 
-static const char HELP[] =
-    "Makes levels of detail of a rigged mesh: fewer vertices on the same bones, which\n"
-    "follow the poses of its clips.\n"
-    "\n"
-    "usage: sphmesh simplify RIG (--ratio P | --vertices N | --triangles N |\n"
-    "                             --max-error PCT) -o OUT.glb [OPTION]...\n"
-    "\n"
-    "RIG is a .glb or .gltf, of 'sphmesh skin' or of anybody. Skins, clips, nodes,\n"
-    "materials and images stay; normals, texture coordinates and the like are kept.\n"
-    "\n"
-    "  -o, --output OUT.glb        the level; of several, all in one file by MSFT_lod,\n"
-    "                              after the mesh as it is, and OUT-1.glb, OUT-2.glb,\n"
-    "                              ...: each alone\n"
-    "      --ratio P[,P...]        levels of P % of the vertices\n"
-    "      --vertices N[,N...]     levels of at most N vertices, as engines count them\n"
-    "      --triangles N[,N...]    levels of at most N triangles\n"
-    "      --max-error PCT[,...]   the coarsest levels whose error is at most PCT % of\n"
-    "                              the bounding box's diagonal (root mean square)\n"
-    "      --influences N          most bones per vertex (as many as the rig has)\n"
-    "      --poses N               most frames that levels are made for, evenly\n"
-    "                              spread; 0: all (64)\n"
-    "      --clip NAME             frames of one animation only; all are kept\n"
-    "      --fps N                 frames per second that clips are taken at (30)\n"
-    "      --method M              skinned: rest positions and weights are optimised;\n"
-    "                              position, pulled-back, rest: older methods, to\n"
-    "                              compare with (skinned)\n"
-    "      --json                  figures as JSON on stdout\n"
-    "      --progress HOW          auto, bar, plain, json or none, on stderr (auto)\n"
-    "      --threads N             threads; 0: one per processor (0)\n"
-    "  -q, --quiet; -h, --help\n"
-    "\n"
-    "examples:\n"
-    "  sphmesh simplify fox.glb --ratio 50,25,10 -o fox-lod.glb\n"
-    "  sphmesh simplify robot.glb --triangles 2000 --influences 4 -o robot-2k.glb\n";
+static const char HELP[] = "Makes levels of detail of a rigged mesh: fewer vertices on the same bones, which\n"
+                           "follow the poses of its clips.\n"
+                           "\n"
+                           "usage: sphmesh simplify RIG (--ratio P | --vertices N | --triangles N |\n"
+                           "                             --max-error PCT) -o OUT.glb [OPTION]...\n"
+                           "\n"
+                           "RIG is a .glb or .gltf, of 'sphmesh skin' or of anybody. Skins, clips, nodes,\n"
+                           "materials and images stay; normals, texture coordinates and the like are kept.\n"
+                           "\n"
+                           "  -o, --output OUT.glb        the level; of several, all in one file by MSFT_lod,\n"
+                           "                              after the mesh as it is, and OUT-1.glb, OUT-2.glb,\n"
+                           "                              ...: each alone\n"
+                           "      --ratio P[,P...]        levels of P % of the vertices\n"
+                           "      --vertices N[,N...]     levels of at most N vertices, as engines count them\n"
+                           "      --triangles N[,N...]    levels of at most N triangles\n"
+                           "      --max-error PCT[,...]   the coarsest levels whose error is at most PCT % of\n"
+                           "                              the bounding box's diagonal (root mean square)\n"
+                           "      --influences N          most bones per vertex (as many as the rig has)\n"
+                           "      --poses N               most frames that levels are made for, evenly\n"
+                           "                              spread; 0: all (64)\n"
+                           "      --clip NAME             frames of one animation only; all are kept\n"
+                           "      --fps N                 frames per second that clips are taken at (30)\n"
+                           "      --method M              skinned: rest positions and weights are optimised;\n"
+                           "                              position, pulled-back, rest: older methods, to\n"
+                           "                              compare with (skinned)\n"
+                           "      --json                  figures as JSON on stdout\n"
+                           "      --progress HOW          auto, bar, plain, json or none, on stderr (auto)\n"
+                           "      --threads N             threads; 0: one per processor (0)\n"
+                           "  -q, --quiet; -h, --help\n"
+                           "\n"
+                           "examples:\n"
+                           "  sphmesh simplify fox.glb --ratio 50,25,10 -o fox-lod.glb\n"
+                           "  sphmesh simplify robot.glb --triangles 2000 --influences 4 -o robot-2k.glb\n";
 
 static const char *const method_choices[] = {"skinned", "position", "pulled-back", "rest", NULL};
 
@@ -107,8 +106,7 @@ static int parse(simplify_options *o, int argc, char **argv, arguments *paths)
             o->by = i;
             ++given;
         }
-    if (given != 1)
-        return usage_error("simplify", "one of --ratio, --vertices, --triangles and --max-error is needed");
+    if (given != 1) return usage_error("simplify", "one of --ratio, --vertices, --triangles and --max-error is needed");
     return read_list(o);
 }
 

@@ -5,7 +5,8 @@
  *
  * Edges are collapsed by the error that the posed mesh makes, summed over example poses: \f[ E(v, a) = \sum_j (A^j(a)
  * v)' Q^j (A^j(a) v), \quad A^j(a) = \sum_k a_k M_k^j \f] with Q^j the plane quadric of the united vertices in pose j.
- * It is minimised over the rest position v and the weights a (>= 0, sum 1) in turn. Source: Landreneau and Schaefer 2009.
+ * It is minimised over the rest position v and the weights a (>= 0, sum 1) in turn. Source: Landreneau and Schaefer
+ * 2009.
  *
  * A level is named by its number of collapses, from 0 (the input) to sph_progressive_collapse_count(). Vertices that
  * share a place and move alike are one point, and collapse together; what differs between them - texture coordinates,
@@ -24,8 +25,8 @@ typedef struct sph_progressive sph_progressive;
 
 /** What the error of a collapse is made of, and what is optimised. */
 enum {
-    SPH_SIMPLIFY_SKINNED = 0,     /**< the surface in all example poses; position and weights (Landreneau and Schaefer 2009);
-                                       default */
+    SPH_SIMPLIFY_SKINNED = 0,     /**< the surface in all example poses; position and weights (Landreneau and Schaefer
+                                     2009);     default */
     SPH_SIMPLIFY_POSITION = 1,    /**< the same error; the position alone, weights are blended along the edge (Mohr and
                                        Gleicher 2003) */
     SPH_SIMPLIFY_PULLED_BACK = 2, /**< quadrics of all poses taken back to the rest pose by each vertex's own transform;
@@ -65,13 +66,13 @@ SPH_API void sph_simplify_options_init(sph_simplify_options *options, size_t siz
  * @brief Makes all levels of a skinned mesh. A mesh of the caller's own becomes a skin first, by
  * sph_skin_create_from_arrays(); it needs no frames where `poses` are given.
  *
- * Accepts any skin with triangles: open, non-manifold, of many parts, with triangles of no area. Vertices of no triangle
- * belong to no level. Where a vertex has more bones than the limit, its heaviest stay.
+ * Accepts any skin with triangles: open, non-manifold, of many parts, with triangles of no area. Vertices of no
+ * triangle belong to no level. Where a vertex has more bones than the limit, its heaviest stay.
  * @param[in]  skin     read during the call only.
  * @param[in]  options  may be NULL: all defaults.
  * @param[out] out      owned by the caller; NULL on failure.
- * @retval SPH_E_INVALID    NULL, bad options, a skin without triangles or of more than 2^30 vertices, or a number that is
- *                          not finite or too large to square in 32 bits; the message names it.
+ * @retval SPH_E_INVALID    NULL, bad options, a skin without triangles or of more than 2^30 vertices, or a number that
+ * is not finite or too large to square in 32 bits; the message names it.
  * @retval SPH_E_NOMEM      out of memory.
  * @retval SPH_E_CANCELLED  progress asked to stop.
  * @par Determinism  Same bits for the same input and options, whatever the executor, threads and processor.
@@ -165,8 +166,8 @@ SPH_API sph_status sph_progressive_get_attributes(const sph_progressive *progres
                                                   uint32_t *triangle_sources);
 
 /**
- * @brief A cursor over the points of the levels: sph_cursor_move() takes a point count, sph_cursor_read() gives points and
- * their triangles, without the seams. The progressive mesh must outlive it.
+ * @brief A cursor over the points of the levels: sph_cursor_move() takes a point count, sph_cursor_read() gives points
+ * and their triangles, without the seams. The progressive mesh must outlive it.
  * @param[out] out  owned by the caller, sph_cursor_destroy() it; NULL on failure.
  * @retval SPH_E_INVALID, SPH_E_NOMEM
  * @par Cost  O(n) once.
@@ -174,8 +175,8 @@ SPH_API sph_status sph_progressive_get_attributes(const sph_progressive *progres
  */
 SPH_API sph_status sph_progressive_create_cursor(const sph_progressive *progressive, sph_cursor **out);
 
-/** @brief Places that the vertices of the input share: points 0 to this - 1 are theirs, the others are those of collapses,
- *  in their order; 0 for NULL. @since 0.1 */
+/** @brief Places that the vertices of the input share: points 0 to this - 1 are theirs, the others are those of
+ * collapses, in their order; 0 for NULL. @since 0.1 */
 SPH_API uint32_t sph_progressive_point_count(const sph_progressive *progressive);
 /** @brief k: slots of a point's bones and weights; 0 for NULL. @since 0.1 */
 SPH_API uint32_t sph_progressive_influence_count(const sph_progressive *progressive);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What walking over collapses needs to know of them, whatever it is that is collapsed. Nodes are numbered by birth, so a
- * simplex lives from the birth of its youngest vertex to the death of the first that dies: only births are recorded, and
- * simplices are kept with their youngest vertex.
+ * What walking over collapses needs to know of them, whatever it is that is collapsed. Nodes are numbered by birth, so
+ * a simplex lives from the birth of its youngest vertex to the death of the first that dies: only births are recorded,
+ * and simplices are kept with their youngest vertex.
  */
 #ifndef SPH_HIERARCHY_COLLAPSES_H
 #define SPH_HIERARCHY_COLLAPSES_H

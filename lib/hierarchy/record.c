@@ -24,7 +24,8 @@ static void add_edges(sph__births *births, const sph__connectivity *mesh, uint32
         if (other < node) births->keys[kept++] = (sph__keyed){other, 0};
     }
     sph__sort(births->keys, kept);
-    for (size_t i = 0; i < kept; ++i) births->edges[births->edge_count++] = (uint32_t)births->keys[i].key;
+    for (size_t i = 0; i < kept; ++i)
+        births->edges[births->edge_count++] = (uint32_t)births->keys[i].key;
 }
 
 static void add_triangles(sph__births *births, const sph__connectivity *mesh, uint32_t node)
@@ -61,7 +62,8 @@ sph_status sph__births_add_leaves(sph__births *births, const sph__connectivity *
 {
     sph_status status = SPH_OK;
     births->edge_starts[0] = births->triangle_starts[0] = 0;
-    for (uint32_t v = 0; v < count && status == SPH_OK; ++v) status = sph__births_add(births, mesh, v);
+    for (uint32_t v = 0; v < count && status == SPH_OK; ++v)
+        status = sph__births_add(births, mesh, v);
     return status;
 }
 

@@ -137,9 +137,9 @@ static void put_required(sph__levels_writer *w)
 
 static void describe(sph__levels_writer *w)
 {
-    static const char *const MADE[] = {"accessors",      "bufferViews",        "buffers", "meshes",     "nodes",
-                                       "extensionsUsed", "extensionsRequired", "skins",   "animations", "images",
-                                       NULL};
+    static const char *const MADE[] = {
+        "accessors",          "bufferViews", "buffers",    "meshes", "nodes", "extensionsUsed",
+        "extensionsRequired", "skins",       "animations", "images", NULL};
     bool first = true;
     sph__io_text_bytes(&w->w.json, "{", 1);
     sph__levels_copy_members(w, &w->w.json, 0, MADE, &first);
@@ -176,10 +176,8 @@ static sph_status allocate_writer(sph__levels_writer *w)
     const size_t views = l->d.lists[SPH__GLTF_VIEWS].count, accessors = l->d.lists[SPH__GLTF_ACCESSORS].count;
     w->views = sph_context_allocate(l->context, views + 1, sizeof *w->views);
     w->accessors = sph_context_allocate(l->context, accessors + 1, sizeof *w->accessors);
-    w->meshes =
-        sph_context_allocate(l->context, w->level_count, (l->g->drawn_count + (size_t)1) * sizeof *w->meshes);
-    if (w->views == NULL || w->accessors == NULL || w->meshes == NULL)
-        return sph__io_fail_memory(l->context, w->path);
+    w->meshes = sph_context_allocate(l->context, w->level_count, (l->g->drawn_count + (size_t)1) * sizeof *w->meshes);
+    if (w->views == NULL || w->accessors == NULL || w->meshes == NULL) return sph__io_fail_memory(l->context, w->path);
     memset(w->views, 0xff, views * sizeof *w->views);
     memset(w->accessors, 0xff, accessors * sizeof *w->accessors);
     return SPH_OK;
@@ -210,9 +208,8 @@ sph_status sph_io_rig_levels_save(const sph_io_rig_levels *l, const uint32_t *le
         return sph__io_fail(l->context, SPH_E_UNSUPPORTED, "%s: levels are written as .glb", sph__io_shown(path));
     if ((status = check_levels(l, level_numbers, level_count)) != SPH_OK) return status;
     w.level_count = (uint32_t)level_count;
-    w.w = (sph__io_gltf_writer){.json = {.context = l->context},
-                                .views = {.context = l->context},
-                                .accessors = {.context = l->context}};
+    w.w = (sph__io_gltf_writer){
+        .json = {.context = l->context}, .views = {.context = l->context}, .accessors = {.context = l->context}};
     w.status = allocate_writer(&w);
     if (w.status == SPH_OK) describe(&w);
     status = w.status == SPH_OK ? write_file(&w) : w.status;

@@ -39,9 +39,9 @@ struct sph_io_rig_levels {
     size_t attribute_count, attribute_capacity;
     uint32_t columns;
     size_t triangle_count; /* of the rig */
-    float *numbers;   /* [n][columns] */
-    float *normals;   /* [n][3]; NULL: no part has any */
-    uint32_t *groups; /* [n] */
+    float *numbers;        /* [n][columns] */
+    float *normals;        /* [n][3]; NULL: no part has any */
+    uint32_t *groups;      /* [n] */
 };
 
 /* One level, while it is written. */

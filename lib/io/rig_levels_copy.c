@@ -215,8 +215,8 @@ static size_t folder_of(const char *path)
 /* What an image beside the file is, by its name; NULL: not known. */
 static const char *image_type(const char *uri)
 {
-    static const char *const TYPES[][2] = {{"png", "image/png"},   {"jpg", "image/jpeg"},  {"jpeg", "image/jpeg"},
-                                           {"webp", "image/webp"}, {"ktx2", "image/ktx2"}, {"avif", "image/avif"},
+    static const char *const TYPES[][2] = {{"png", "image/png"},       {"jpg", "image/jpeg"},  {"jpeg", "image/jpeg"},
+                                           {"webp", "image/webp"},     {"ktx2", "image/ktx2"}, {"avif", "image/avif"},
                                            {"dds", "image/vnd-ms.dds"}};
     for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; ++i)
         if (sph__io_has_ending(uri, TYPES[i][0])) return TYPES[i][1];
@@ -236,7 +236,8 @@ static uint32_t take_image(sph__levels_writer *w, uint32_t value, const char **t
     note(w, sph__gltf_copy_text(d, value, &uri));
     if (w->status == SPH_OK && strncmp(uri, "data:", 5) != 0 && (*type = image_type(uri)) != NULL) {
         if (sph__gltf_map_file(d, value, uri, &map) != SPH_OK)
-            sph_context_log(w->l->context, SPH_LOG_WARNING, "an image of a glTF is not beside it: only its name is kept");
+            sph_context_log(w->l->context, SPH_LOG_WARNING,
+                            "an image of a glTF is not beside it: only its name is kept");
         else if ((copy = sph_context_allocate(w->l->context, map.size + 1, 1)) == NULL)
             note(w, sph__io_fail_memory(w->l->context, w->path));
         else

@@ -122,7 +122,8 @@ static uint32_t add_bounded(sph__levels_writer *w, unsigned char *bytes, size_t 
     sph__io_text_floats(&text, b->high, 3);
     sph__io_text_bytes(&text, "", 1);
     w->w.accessors.failed = w->w.accessors.failed || text.failed;
-    accessor = add_accessor(w, bytes, count, 12, SPH__GLTF_F32, "VEC3", SPH__GLTF_VERTICES, text.failed ? "" : text.text);
+    accessor =
+        add_accessor(w, bytes, count, 12, SPH__GLTF_F32, "VEC3", SPH__GLTF_VERTICES, text.failed ? "" : text.text);
     sph__io_text_release(&text);
     return accessor;
 }
@@ -162,7 +163,8 @@ static void keep_rules(const sph__gltf_document *d, const sph__levels_attribute 
 {
     const bool tangent = a->target == SPH__GLTF_NONE && sph__gltf_is(d, a->name, "TANGENT");
     if (a->normal || tangent) {
-        const double length = sqrt((double)x[0] * (double)x[0] + (double)x[1] * (double)x[1] + (double)x[2] * (double)x[2]);
+        const double length =
+            sqrt((double)x[0] * (double)x[0] + (double)x[1] * (double)x[1] + (double)x[2] * (double)x[2]);
         for (int c = 0; c < 3; ++c)
             x[c] = length > 1e-12 ? (float)((double)x[c] / length) : c == (tangent ? 0 : 1);
         if (tangent) x[3] = x[3] < 0 ? -1.0F : 1.0F;
@@ -184,8 +186,7 @@ static uint32_t put_attribute(const piece *p, const sph__levels_attribute *a)
         for (uint32_t c = 0; c < a->width; ++c)
             put_float(bytes + size * i + 4 * (size_t)c, x[c]);
     }
-    if (a->width == 3 && sph__gltf_is(&l->d, a->name, "POSITION"))
-        return add_bounded(p->w, bytes, p->vertex_count, &b);
+    if (a->width == 3 && sph__gltf_is(&l->d, a->name, "POSITION")) return add_bounded(p->w, bytes, p->vertex_count, &b);
     return add_accessor(p->w, bytes, p->vertex_count, size, SPH__GLTF_F32, WIDTHS[a->width], SPH__GLTF_VERTICES, "");
 }
 

@@ -156,7 +156,8 @@ static void put_extension(sph__levels_writer *w, uint32_t extensions, const belo
     sph__io_text_add(t, "]}}");
 }
 
-/* Below which share of the screen each level is good: where the one before is off by a pixel, and for the last nothing. */
+/* Below which share of the screen each level is good: where the one before is off by a pixel, and for the last nothing.
+ */
 static void put_coverage(sph__levels_writer *w, uint32_t count, bool *first)
 {
     const sph_progressive *p = w->l->progressive;
@@ -218,8 +219,9 @@ static void put_node(sph__levels_writer *w, uint32_t index, uint32_t mesh, const
             if (i > 0) sph__io_text_bytes(t, ",", 1);
             sph__levels_copy(w, t, child);
         }
-        if (b->apart) sph__io_text_add(t, "%s%u", children != 0 && d->values[children].count > 0 ? "," : "",
-                                       (unsigned)(b->first - 1));
+        if (b->apart)
+            sph__io_text_add(t, "%s%u", children != 0 && d->values[children].count > 0 ? "," : "",
+                             (unsigned)(b->first - 1));
         sph__io_text_bytes(t, "]", 1);
     }
     sph__io_text_bytes(t, "}", 1);
@@ -228,10 +230,11 @@ static void put_node(sph__levels_writer *w, uint32_t index, uint32_t mesh, const
 /* The nodes of a drawn node's levels, and before them its child, where they are apart. */
 static void put_below(sph__levels_writer *w, uint32_t index, uint32_t ordinal, const below *b)
 {
-    static const char *const MADE[] = {"mesh",  "skin",       "weights", "children", "name",
+    static const char *const MADE[] = {"mesh",   "skin",       "weights", "children", "name",
                                        "extras", "extensions", "camera",  NULL};
-    static const char *const PLACED[] = {"mesh",        "skin",     "weights", "children", "name",   "extras", "extensions",
-                                         "translation", "rotation", "scale",   "matrix",   "camera", NULL};
+    static const char *const PLACED[] = {"mesh",   "skin",       "weights",     "children", "name",
+                                         "extras", "extensions", "translation", "rotation", "scale",
+                                         "matrix", "camera",     NULL};
     const sph_io_rig_levels *l = w->l;
     const uint32_t object = l->d.lists[SPH__GLTF_NODES].values[index];
     uint32_t level = b->apart ? 0 : 1, written = 0;

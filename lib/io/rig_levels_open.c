@@ -29,8 +29,8 @@ static sph_status list_attributes(sph_io_rig_levels *l, uint32_t object, uint32_
         sph__levels_attribute attribute = {.name = key, .target = target, .column = *column};
         sph__gltf_accessor a;
         uint32_t index;
-        if (target == SPH__GLTF_NONE && (sph__gltf_is(d, key, "POSITION") || starts_with(d, key, "JOINTS_") ||
-                                         starts_with(d, key, "WEIGHTS_")))
+        if (target == SPH__GLTF_NONE &&
+            (sph__gltf_is(d, key, "POSITION") || starts_with(d, key, "JOINTS_") || starts_with(d, key, "WEIGHTS_")))
             continue;
         attribute.normal = target == SPH__GLTF_NONE && sph__gltf_is(d, key, "NORMAL");
         status = sph__gltf_read_index(d, key + 1, SPH__GLTF_ACCESSORS, &index);
@@ -74,8 +74,7 @@ static sph_status read_attribute(sph_io_rig_levels *l, size_t part, const sph__l
     if (status == SPH_OK) status = sph__gltf_accessor_open(&l->d, index, attribute->width, &a);
     for (size_t i = 0; i < p->used_count && status == SPH_OK; ++i) {
         const size_t v = p->first_vertex + i;
-        float *out =
-            attribute->normal ? l->normals + 3 * v : l->numbers + v * l->columns + attribute->column;
+        float *out = attribute->normal ? l->normals + 3 * v : l->numbers + v * l->columns + attribute->column;
         if (p->used[i] >= a.count)
             return sph__gltf_fail(&l->d, attribute->name, "an attribute of %u vertices; there is vertex %u",
                                   (unsigned)a.count, (unsigned)p->used[i]);
@@ -131,8 +130,7 @@ sph_status sph__levels_read(sph_io_rig_levels *l)
     sph_status status = refuse_instances(&l->d);
     if (status == SPH_OK) status = sph__gltf_allocate(&l->d, count, sizeof *l->parts, &l->parts);
     for (size_t k = 0; k < count && status == SPH_OK; ++k) {
-        const size_t end =
-            k + 1 < count ? l->g->parts[k + 1].first_triangle : l->triangle_count;
+        const size_t end = k + 1 < count ? l->g->parts[k + 1].first_triangle : l->triangle_count;
         l->parts[k] = (sph__levels_part){.triangle_count = end - l->g->parts[k].first_triangle};
         if (l->parts[k].triangle_count > 0) status = list_part(l, k);
     }

@@ -24,7 +24,8 @@ static void add_bones(const sph__simplifier *b, uint32_t point, uint32_t *bones,
     const size_t first = (size_t)point * b->wide;
     for (uint32_t s = 0; s < b->wide && b->weights[first + s] > 0; ++s) {
         uint32_t at = 0;
-        while (at < *count && bones[at] != b->bones[first + s]) ++at;
+        while (at < *count && bones[at] != b->bones[first + s])
+            ++at;
         if (at == *count) bones[(*count)++] = b->bones[first + s];
         weights[at] = (double)b->weights[first + s];
     }
@@ -32,7 +33,8 @@ static void add_bones(const sph__simplifier *b, uint32_t point, uint32_t *bones,
 
 static void rest_of(const sph__simplifier *b, uint32_t point, double rest[3])
 {
-    for (int c = 0; c < 3; ++c) rest[c] = (double)b->rest[3 * (size_t)point + c];
+    for (int c = 0; c < 3; ++c)
+        rest[c] = (double)b->rest[3 * (size_t)point + c];
 }
 
 /* How far along the edge, which begins at 0, a place is. */
@@ -44,12 +46,15 @@ static double way_along(const double edge[3], const double x[3])
 }
 
 /* The two ends, and their mean. */
-static void make_trials(const sph__solver *solver, uint32_t count, const double *u, const double *v, sph__trial trials[3])
+static void make_trials(const sph__solver *solver, uint32_t count, const double *u, const double *v,
+                        sph__trial trials[3])
 {
     for (int i = 0; i < 3; ++i) {
         const double way = i == 2 ? 0.5 : i;
-        for (int c = 0; c < 3; ++c) trials[i].x[c] = way * solver->edge[c];
-        for (uint32_t k = 0; k < count; ++k) trials[i].weights[k] = u[k] + way * (v[k] - u[k]);
+        for (int c = 0; c < 3; ++c)
+            trials[i].x[c] = way * solver->edge[c];
+        for (uint32_t k = 0; k < count; ++k)
+            trials[i].weights[k] = u[k] + way * (v[k] - u[k]);
     }
 }
 
@@ -98,7 +103,8 @@ static void evaluate(const sph__simplifier *b, uint32_t edge, sph__solver *solve
     add_bones(b, v, m->bones, &m->count, at_v);
     rest_of(b, u, rest_u);
     rest_of(b, v, rest_v);
-    for (int c = 0; c < 3; ++c) solver->edge[c] = rest_v[c] - rest_u[c];
+    for (int c = 0; c < 3; ++c)
+        solver->edge[c] = rest_v[c] - rest_u[c];
     make_form(b, u, v, m, solver);
     if (b->transform_count == 1)
         make_trials(solver, 1, &one, &one, trials);
@@ -106,7 +112,8 @@ static void evaluate(const sph__simplifier *b, uint32_t edge, sph__solver *solve
         make_trials(solver, m->count, at_u, at_v, trials);
     m->way = minimise(b, solver, b->locked[u] ? 1 : b->locked[v] ? 2 : 0, trials, &best);
     m->error = best.error > 0 ? best.error : 0;
-    for (int c = 0; c < 3; ++c) m->rest[c] = rest_u[c] + best.x[c];
+    for (int c = 0; c < 3; ++c)
+        m->rest[c] = rest_u[c] + best.x[c];
     for (uint32_t k = 0; k < m->count; ++k)
         m->weights[k] = b->o.method == SPH_SIMPLIFY_SKINNED && b->transform_count > 1
                             ? best.weights[k]
@@ -216,14 +223,16 @@ static void place_merged(sph__simplifier *b, uint32_t u, uint32_t v, uint32_t w,
     if (b->locked[w]) {
         copy_point(b, b->locked[u] ? u : v, w);
     } else {
-        for (int c = 0; c < 3; ++c) b->rest[3 * (size_t)w + c] = (float)m->rest[c];
+        for (int c = 0; c < 3; ++c)
+            b->rest[3 * (size_t)w + c] = (float)m->rest[c];
         sph__weights_order(m->bones, m->weights, m->count, b->wide, b->bones + (size_t)w * b->wide,
                            b->weights + (size_t)w * b->wide);
     }
     sph__simplify_place(b, w, b->new_center);
 }
 
-/* The point as it leaves the library, with no more bones than are asked for: pruned, and minimised again. Returns its error. */
+/* The point as it leaves the library, with no more bones than are asked for: pruned, and minimised again. Returns its
+ * error. */
 static double show_point(sph__simplifier *b, uint32_t w)
 {
     sph_progressive *p = b->p;
@@ -237,14 +246,16 @@ static double show_point(sph__simplifier *b, uint32_t w)
     rest_of(b, w, rest);
     trial.error = own.constant;
     if (count > p->slots && b->o.method == SPH_SIMPLIFY_SKINNED && !b->locked[w]) {
-        for (int c = 0; c < 3; ++c) solver->edge[c] = 0;
+        for (int c = 0; c < 3; ++c)
+            solver->edge[c] = 0;
         solver->form.count = count;
         sph__kernel_form(&own, &none, b->stride, b->transforms, b->transform_count, bones, rest, solver->room,
                          &solver->form);
         sph__solve_limited(solver, p->slots, &trial);
     }
     if (b->locked[w]) return trial.error;
-    for (int c = 0; c < 3; ++c) p->rest[3 * (size_t)w + c] = (float)(rest[c] + trial.x[c]);
+    for (int c = 0; c < 3; ++c)
+        p->rest[3 * (size_t)w + c] = (float)(rest[c] + trial.x[c]);
     sph__weights_order(bones, trial.weights, count, p->slots, p->bones + (size_t)w * p->slots,
                        p->weights + (size_t)w * p->slots);
     return trial.error > 0 ? trial.error : 0;

@@ -23,7 +23,7 @@ size_t sph__form_room(uint32_t count)
 /* M, b of the sum of two quadrics, relative to the first's point, in eight poses; what is added to c. */
 #define SUM_QUADRICS(u, v, stride, i, m, b, c)                                                                         \
     do {                                                                                                               \
-        const float *ub_ = (u)->block + (i)*SPH__QUADRIC_ROWS, *vb_ = (v)->block + (i)*SPH__QUADRIC_ROWS;               \
+        const float *ub_ = (u)->block + (i)*SPH__QUADRIC_ROWS, *vb_ = (v)->block + (i)*SPH__QUADRIC_ROWS;              \
         v8d vm_[6], vl_[3], d_[3], e_[3];                                                                              \
         for (size_t k_ = 0; k_ < 6; ++k_) {                                                                            \
             vm_[k_] = sph__load(vb_, k_ * LANES);                                                                      \
@@ -56,7 +56,8 @@ SPH__CLONES static void form_clones(const sph__posed *u, const sph__posed *v, si
         SUM_QUADRICS(u, v, stride, i, m, b, constant);
         for (uint32_t k = 0; k < count; ++k) {
             const v8d *t = (const v8d *)(palette + (size_t)bones[k] * 12 * LANES);
-            v8d *a = moved + 12 * (size_t)k, *w = pulled + 12 * (size_t)k, *sums = pairs + PAIR_ROWS * sph__form_pair(k, 0);
+            v8d *a = moved + 12 * (size_t)k, *w = pulled + 12 * (size_t)k,
+                *sums = pairs + PAIR_ROWS * sph__form_pair(k, 0);
             for (size_t r = 0; r < 3; ++r) {
                 a[r] = t[4 * r];
                 a[3 + r] = t[4 * r + 1];
@@ -84,8 +85,10 @@ SPH__CLONES static void form_clones(const sph__posed *u, const sph__posed *v, si
             }
         }
     }
-    for (size_t k = 0; k < 4 * (size_t)count; ++k) form->linear[k] = sph__sum(linear[k]);
-    for (size_t k = 0; k < PAIR_ROWS * sph__form_pair(count, 0); ++k) form->pairs[k] = 0.5 * sph__sum(pairs[k]);
+    for (size_t k = 0; k < 4 * (size_t)count; ++k)
+        form->linear[k] = sph__sum(linear[k]);
+    for (size_t k = 0; k < PAIR_ROWS * sph__form_pair(count, 0); ++k)
+        form->pairs[k] = 0.5 * sph__sum(pairs[k]);
     form->constant = u->constant + v->constant + sph__sum(constant);
 }
 
@@ -113,7 +116,8 @@ SPH__CLONES static double unite_posed_clones(const sph__posed *u, const sph__pos
             constant += d[k] * (e[k] - 2.0 * b[k]);
             sph__store(out, (6 + k) * LANES, b[k] - e[k]);
         }
-        for (size_t k = 0; k < 6; ++k) sph__store(out, k * LANES, m[k]);
+        for (size_t k = 0; k < 6; ++k)
+            sph__store(out, k * LANES, m[k]);
     }
     return u->constant + v->constant + sph__sum(constant);
 }
@@ -134,9 +138,11 @@ SPH__CLONES static void place_clones(const double *transforms, uint32_t transfor
             const v8d *t = (const v8d *)(transforms + (i / LANES * transform_count + bones[k]) * 12 * LANES);
             const double weight = (double)weights[k];
             for (size_t r = 0; r < 3; ++r)
-                sum[r] += weight * (t[4 * r] * rest[0] + t[4 * r + 1] * rest[1] + t[4 * r + 2] * rest[2] + t[4 * r + 3]);
+                sum[r] +=
+                    weight * (t[4 * r] * rest[0] + t[4 * r + 1] * rest[1] + t[4 * r + 2] * rest[2] + t[4 * r + 3]);
         }
-        for (size_t r = 0; r < 3; ++r) sph__store(center, r * stride + i, sum[r]);
+        for (size_t r = 0; r < 3; ++r)
+            sph__store(center, r * stride + i, sum[r]);
     }
 }
 
@@ -156,7 +162,8 @@ void sph__kernel_place(const double *transforms, uint32_t transform_count, size_
         (sums)[3] += (scale) * (n)[1] * (n)[1];                                                                        \
         (sums)[4] += (scale) * (n)[1] * (n)[2];                                                                        \
         (sums)[5] += (scale) * (n)[2] * (n)[2];                                                                        \
-        for (size_t k_ = 0; k_ < 3; ++k_) (sums)[6 + k_] += by_ * (n)[k_];                                             \
+        for (size_t k_ = 0; k_ < 3; ++k_)                                                                              \
+            (sums)[6 + k_] += by_ * (n)[k_];                                                                           \
         (constant) += by_ * distance_;                                                                                 \
     } while (0)
 
@@ -253,7 +260,8 @@ SPH__CLONES static void pull_clones(const double *block, const double *transform
             sums[q] += a[r] * w[c] + a[r + 1] * w[c + 1] + a[r + 2] * w[c + 2];
         }
     }
-    for (size_t q = 0; q < 6; ++q) out[q] = sph__sum(sums[q]);
+    for (size_t q = 0; q < 6; ++q)
+        out[q] = sph__sum(sums[q]);
 }
 
 void sph__kernel_pull_back(const double *block, const double *transforms, uint32_t transform_count, size_t stride,

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The loops over poses. A point's quadric is kept relative to where the point is in each pose, so that its gradient there
- * is almost nothing and 32 bits are enough: in each pose M, symmetric, and b, of x'Mx - 2 b'x + c with x from the point
- * on; of c only the sum over poses is kept. A block has eight poses of all rows, then the next eight. Rows are padded
- * with zeros. The loops allocate nothing and cannot fail.
+ * The loops over poses. A point's quadric is kept relative to where the point is in each pose, so that its gradient
+ * there is almost nothing and 32 bits are enough: in each pose M, symmetric, and b, of x'Mx - 2 b'x + c with x from the
+ * point on; of c only the sum over poses is kept. A block has eight poses of all rows, then the next eight. Rows are
+ * padded with zeros. The loops allocate nothing and cannot fail.
  */
 #ifndef SPH_SIMPLIFY_KERNEL_H
 #define SPH_SIMPLIFY_KERNEL_H
@@ -61,8 +61,9 @@ void sph__kernel_place(const double *transforms, uint32_t transform_count, size_
                        const uint32_t *bones, const float *weights, uint32_t count, float *center);
 
 /*
- * Adds the plane of the triangle (p, q, r), as heavy as a third of its area, to a quadric in doubles (eight poses of nine
- * rows, then the next), relative to `center`. sums[0] takes what is added to the constant, sums[1] the third of the area.
+ * Adds the plane of the triangle (p, q, r), as heavy as a third of its area, to a quadric in doubles (eight poses of
+ * nine rows, then the next), relative to `center`. sums[0] takes what is added to the constant, sums[1] the third of
+ * the area.
  */
 void sph__kernel_add_plane(const float *p, const float *q, const float *r, const float *center, size_t stride,
                            double *block, double sums[2]);

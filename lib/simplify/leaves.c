@@ -11,10 +11,10 @@ enum { POINT_GRAIN = 64 };
 /* What the input is in the example poses, while leaves are made. */
 typedef struct leaves {
     sph__simplifier *b;
-    float *posed;      /* [points][3][example_stride] */
-    uint8_t *borders;  /* [mesh.triangle_count]: bit k: of the edge from corner k to the next */
-    double *blocks;    /* [SPH__SIMPLIFY_ROOMS][SPH__QUADRIC_ROWS * example_stride] */
-    size_t grain;      /* points per block */
+    float *posed;     /* [points][3][example_stride] */
+    uint8_t *borders; /* [mesh.triangle_count]: bit k: of the edge from corner k to the next */
+    double *blocks;   /* [SPH__SIMPLIFY_ROOMS][SPH__QUADRIC_ROWS * example_stride] */
+    size_t grain;     /* points per block */
 } leaves;
 
 static void pose_points(void *argument, size_t begin, size_t end)
@@ -24,10 +24,12 @@ static void pose_points(void *argument, size_t begin, size_t end)
     const sph_skin *skin = b->skin;
     const size_t k = skin->influence_count;
     for (size_t v = begin; v < end; ++v) {
-        const double rest[3] = {(double)skin->rest[3 * v], (double)skin->rest[3 * v + 1], (double)skin->rest[3 * v + 2]};
+        const double rest[3] = {(double)skin->rest[3 * v], (double)skin->rest[3 * v + 1],
+                                (double)skin->rest[3 * v + 2]};
         uint32_t count = 0;
         if (b->slot_of[b->point_of[v]] != v) continue; /* not the first vertex of its point */
-        while (count < k && skin->weights[v * k + count] > 0) ++count;
+        while (count < k && skin->weights[v * k + count] > 0)
+            ++count;
         sph__kernel_place(b->examples, skin->bone_count, b->example_stride, rest, skin->bones + v * k,
                           skin->weights + v * k, count, l->posed + b->point_of[v] * 3 * b->example_stride);
     }
@@ -69,9 +71,12 @@ static void scale(leaves *l, double largest)
     int exponent = 0;
     if (largest > 0) frexp(largest, &exponent);
     b->scale = ldexp(1, -exponent);
-    for (size_t i = 0; i < chunks * bones * 12 * SPH__LANES; ++i) b->examples[i] *= b->scale;
-    for (size_t i = 0; b->transforms != b->examples && i < 12 * (size_t)SPH__LANES; ++i) b->transforms[i] *= b->scale;
-    for (size_t i = 0; i < b->points * 3 * b->example_stride; ++i) l->posed[i] *= (float)b->scale;
+    for (size_t i = 0; i < chunks * bones * 12 * SPH__LANES; ++i)
+        b->examples[i] *= b->scale;
+    for (size_t i = 0; b->transforms != b->examples && i < 12 * (size_t)SPH__LANES; ++i)
+        b->transforms[i] *= b->scale;
+    for (size_t i = 0; i < b->points * 3 * b->example_stride; ++i)
+        l->posed[i] *= (float)b->scale;
 }
 
 /* Whether two triangles on both sides of an edge from p to q go on smoothly in all values but the normals. */
@@ -116,7 +121,8 @@ static void find_borders(void *argument, size_t begin, size_t end)
 }
 
 /* Adds triangle t to the quadric of one of its corners; its plane once, and those of its borders that end there. */
-static void add_triangle(const leaves *l, uint32_t t, uint32_t point, const float *center, double *block, double sums[2])
+static void add_triangle(const leaves *l, uint32_t t, uint32_t point, const float *center, double *block,
+                         double sums[2])
 {
     const sph__simplifier *b = l->b;
     const size_t row = 3 * b->example_stride;
@@ -137,14 +143,16 @@ static void store(const sph__simplifier *b, uint32_t point, const double *block)
     float *out = b->blocks + point * SPH__QUADRIC_ROWS * b->stride;
     double pulled[6];
     if (b->o.method != SPH_SIMPLIFY_PULLED_BACK) {
-        for (size_t i = 0; i < size; ++i) out[i] = (float)block[i];
+        for (size_t i = 0; i < size; ++i)
+            out[i] = (float)block[i];
         return;
     }
     sph__kernel_pull_back(block, b->examples, b->skin->bone_count, b->example_stride,
                           b->bones + (size_t)point * b->wide, b->weights + (size_t)point * b->wide,
                           sph__simplify_bone_count(b, point), pulled);
     memset(out, 0, SPH__QUADRIC_ROWS * SPH__LANES * sizeof *out);
-    for (size_t q = 0; q < 6; ++q) out[q * SPH__LANES] = (float)(pulled[q] / (b->scale * b->scale));
+    for (size_t q = 0; q < 6; ++q)
+        out[q * SPH__LANES] = (float)(pulled[q] / (b->scale * b->scale));
 }
 
 static void make_leaf(const leaves *l, uint32_t point, double *block)
@@ -167,7 +175,8 @@ static void make_range(void *argument, size_t begin, size_t end)
 {
     const leaves *l = argument;
     double *block = l->blocks + begin / l->grain * SPH__QUADRIC_ROWS * l->b->example_stride;
-    for (size_t i = begin; i < end; ++i) make_leaf(l, (uint32_t)i, block);
+    for (size_t i = begin; i < end; ++i)
+        make_leaf(l, (uint32_t)i, block);
 }
 
 static sph_status allocate(leaves *l)
@@ -186,8 +195,9 @@ static sph_status allocate(leaves *l)
     b->areas = sph__alloc(b->context, n, sizeof *b->areas);
     b->shown = sph__alloc(b->context, n, sizeof *b->shown);
     b->slot_of = sph__alloc(b->context, 2 * n, sizeof *b->slot_of);
-    if (l->posed == NULL || l->borders == NULL || l->blocks == NULL || b->centers == NULL || b->new_center == NULL || b->zeros == NULL ||
-        b->blocks == NULL || b->costs == NULL || b->areas == NULL || b->shown == NULL || b->slot_of == NULL)
+    if (l->posed == NULL || l->borders == NULL || l->blocks == NULL || b->centers == NULL || b->new_center == NULL ||
+        b->zeros == NULL || b->blocks == NULL || b->costs == NULL || b->areas == NULL || b->shown == NULL ||
+        b->slot_of == NULL)
         return sph__fail_memory(b->context);
     l->grain = (n + SPH__SIMPLIFY_ROOMS - 1) / SPH__SIMPLIFY_ROOMS;
     return SPH_OK;
@@ -197,9 +207,11 @@ static sph_status allocate(leaves *l)
 static void pose_all(leaves *l)
 {
     sph__simplifier *b = l->b;
-    for (uint32_t v = b->n; v-- > 0;) b->slot_of[b->point_of[v]] = v;
+    for (uint32_t v = b->n; v-- > 0;)
+        b->slot_of[b->point_of[v]] = v;
     sph__parallel_for(b->context, b->n, POINT_GRAIN, pose_points, l);
-    for (uint32_t i = 0; i < b->points; ++i) b->slot_of[i] = i;
+    for (uint32_t i = 0; i < b->points; ++i)
+        b->slot_of[i] = i;
 }
 
 sph_status sph__simplify_make_leaves(sph__simplifier *b)

@@ -212,7 +212,8 @@ static sph_status number_wedges(const sph_progressive *p, layout *l)
     uint32_t at = 0;
     sph__keyed *keys = sph__alloc(p->context, corners, sizeof *keys);
     if (keys == NULL) return sph__fail_memory(p->context);
-    for (size_t i = 0; i < corners; ++i) keys[i] = (sph__keyed){l->triangles[i], i};
+    for (size_t i = 0; i < corners; ++i)
+        keys[i] = (sph__keyed){l->triangles[i], i};
     sph__sort(keys, corners);
     for (size_t i = 0; i < corners; ++i) {
         if (i > 0 && keys[i].key != keys[i - 1].key) ++at;
@@ -296,8 +297,7 @@ sph_status sph_progressive_get_skin(const sph_progressive *p, uint32_t level, sp
     sph_status status;
     if (out != NULL) *out = NULL;
     if (p == NULL || out == NULL)
-        return sph__fail(p == NULL ? NULL : p->context, SPH_E_INVALID,
-                         "sph_progressive_get_skin: an argument is NULL");
+        return sph__fail(p == NULL ? NULL : p->context, SPH_E_INVALID, "sph_progressive_get_skin: an argument is NULL");
     if ((status = check_level(p, level)) != SPH_OK) return status;
     if (p->triangle_counts[level] == 0)
         return sph__fail(p->context, SPH_E_LIMIT, "level %u has no triangles left", (unsigned)level);
@@ -318,7 +318,8 @@ sph_status sph_progressive_get_attributes(const sph_progressive *p, uint32_t lev
     if ((status = open_level(p, level, &l)) != SPH_OK) return status;
     for (size_t i = 0; i < l.vertex_count; ++i) {
         const float *values = size == 0 ? NULL : p->values + l.wedges[i] * size;
-        for (size_t c = 0; c < 3 && normals != NULL; ++c) normals[3 * i + c] = size > count ? values[c] : 0;
+        for (size_t c = 0; c < 3 && normals != NULL; ++c)
+            normals[3 * i + c] = size > count ? values[c] : 0;
         if (attributes != NULL && count != 0)
             memcpy(attributes + i * count, values + size - count, count * sizeof *values);
         if (vertex_sources != NULL) vertex_sources[i] = p->wedge_sources[l.wedges[i]];

@@ -6,9 +6,6 @@
 
 static const double IDENTITY[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
-
-
-
 /* Example pose `at` of `count`: the caller's, a frame of the skin, or NULL: the rest pose. */
 static const double *example(const sph__simplifier *b, uint32_t at)
 {
@@ -17,7 +14,8 @@ static const double *example(const sph__simplifier *b, uint32_t at)
     uint64_t frame = at;
     if (b->o.poses != NULL) return b->o.poses + at * pitch;
     if (frames == 0 || b->o.method == SPH_SIMPLIFY_REST) return NULL;
-    if (b->example_count < frames) frame = b->example_count == 1 ? 0 : ((uint64_t)at * (frames - 1)) / (b->example_count - 1);
+    if (b->example_count < frames)
+        frame = b->example_count == 1 ? 0 : ((uint64_t)at * (frames - 1)) / (b->example_count - 1);
     return b->skin->transforms + frame * pitch;
 }
 
@@ -42,7 +40,8 @@ static sph_status make_single(sph__simplifier *b)
     b->transform_count = 1;
     b->transforms = sph__zalloc(b->context, 12 * (size_t)SPH__LANES, sizeof *b->transforms);
     if (b->transforms == NULL) return sph__fail_memory(b->context);
-    for (size_t r = 0; r < 12; ++r) b->transforms[r * SPH__LANES] = IDENTITY[r];
+    for (size_t r = 0; r < 12; ++r)
+        b->transforms[r * SPH__LANES] = IDENTITY[r];
     return SPH_OK;
 }
 
@@ -57,7 +56,8 @@ sph_status sph__simplify_read_poses(sph__simplifier *b)
     for (uint32_t j = 0; j < b->example_count; ++j) {
         const double *pose = example(b, j);
         double *chunk = b->examples + j / SPH__LANES * bones * 12 * SPH__LANES + j % SPH__LANES;
-        for (size_t i = 0; i < 12 * bones; ++i) chunk[i * SPH__LANES] = pose == NULL ? IDENTITY[i % 12] : pose[i];
+        for (size_t i = 0; i < 12 * bones; ++i)
+            chunk[i * SPH__LANES] = pose == NULL ? IDENTITY[i % 12] : pose[i];
     }
     b->p->pose_count = b->example_count;
     if (b->o.method == SPH_SIMPLIFY_REST || b->o.method == SPH_SIMPLIFY_PULLED_BACK) return make_single(b);
@@ -72,7 +72,8 @@ uint32_t sph__simplify_bone_count(const sph__simplifier *b, uint32_t point)
 {
     const float *weights = b->weights + (size_t)point * b->wide;
     uint32_t count = 0;
-    while (count < b->wide && weights[count] > 0) ++count;
+    while (count < b->wide && weights[count] > 0)
+        ++count;
     return count;
 }
 

@@ -50,7 +50,8 @@ static sph_status make_mesh(sph__simplifier *b)
     sph_status status = SPH_OK;
     b->numbers = sph__alloc(b->context, count, sizeof *b->numbers);
     if (triangles == NULL || b->numbers == NULL) status = sph__fail_memory(b->context);
-    for (size_t i = 0; i < 3 * count && status == SPH_OK; ++i) triangles[i] = b->point_of[b->skin->triangles[i]];
+    for (size_t i = 0; i < 3 * count && status == SPH_OK; ++i)
+        triangles[i] = b->point_of[b->skin->triangles[i]];
     if (status == SPH_OK)
         status = sph__connectivity_init(&b->mesh, b->context, b->points, triangles, count, NULL, 0, true, b->numbers);
     sph__free(b->context, triangles);

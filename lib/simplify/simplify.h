@@ -30,18 +30,18 @@ struct sph_progressive {
     uint32_t *vertex_counts, *triangle_counts;
     double *errors, *max_errors;
     /* A wedge is a point with the values that a triangle's corner has there. The first are the input's vertices. */
-    float *values;             /* [wedges][value_count] */
-    uint32_t *wedge_points;    /* [wedges] */
-    uint32_t *wedge_sources;   /* [wedges]: an input vertex */
-    uint32_t *triangle_wedges; /* [born triangles][3]: of the youngest corner, and on in the order of the winding */
+    float *values;              /* [wedges][value_count] */
+    uint32_t *wedge_points;     /* [wedges] */
+    uint32_t *wedge_sources;    /* [wedges]: an input vertex */
+    uint32_t *triangle_wedges;  /* [born triangles][3]: of the youngest corner, and on in the order of the winding */
     uint32_t *triangle_sources; /* [born triangles]: the input's triangle */
 };
 
 /* For walking over it. */
 sph__collapses sph__progressive_collapses(const sph_progressive *progressive);
 
-/* Collapses look at up to so many bones of a point, whatever few of them leave the library in the end: what is pruned early
- * is missed later. */
+/* Collapses look at up to so many bones of a point, whatever few of them leave the library in the end: what is pruned
+ * early is missed later. */
 enum { SPH__SIMPLIFY_WIDE = 12 };
 
 /* Around so many edges at once are errors found, each with room of its own. */
@@ -59,12 +59,12 @@ typedef struct sph__simplifier {
     uint32_t *wedge_of; /* [n]: the vertex that stands for all of the same point and values */
     double scale;       /* the input's size times this is what is computed with; a power of two */
 
-    uint32_t example_count;  /* poses that leaves are made from */
-    size_t example_stride;   /* rounded up to whole lanes */
-    double *examples;        /* [chunks][J][12][lanes] */
-    uint32_t pose_count;     /* poses that collapses look at: the same, or the rest pose alone */
+    uint32_t example_count; /* poses that leaves are made from */
+    size_t example_stride;  /* rounded up to whole lanes */
+    double *examples;       /* [chunks][J][12][lanes] */
+    uint32_t pose_count;    /* poses that collapses look at: the same, or the rest pose alone */
     size_t stride;
-    double *transforms;      /* as examples */
+    double *transforms;       /* as examples */
     uint32_t transform_count; /* J, or one: the identity */
 
     sph__connectivity mesh; /* of points */
@@ -73,18 +73,18 @@ typedef struct sph__simplifier {
     uint32_t *stamps;       /* [mesh.triangle_count]: the last point that has it */
     sph__edge_queue queue;
     sph__births births;
-    uint32_t wide;          /* bones and weights of a point, while collapses look at it */
-    float *rest, *weights;  /* [2 points][3], [2 points][wide] */
-    uint32_t *bones;        /* [2 points][wide] */
-    float *centers;         /* [2 points][3][stride]: where points are in the poses */
-    float *blocks;          /* [points][SPH__QUADRIC_ROWS * stride] by slot */
-    double *costs, *areas;  /* [points] by slot: the quadric at the point; the area that it stands for */
-    double *shown;          /* [points] by slot: the quadric at the point as it leaves the library */
-    uint32_t *slot_of;      /* [2 points] */
-    uint8_t *locked;        /* [2 points] */
+    uint32_t wide;         /* bones and weights of a point, while collapses look at it */
+    float *rest, *weights; /* [2 points][3], [2 points][wide] */
+    uint32_t *bones;       /* [2 points][wide] */
+    float *centers;        /* [2 points][3][stride]: where points are in the poses */
+    float *blocks;         /* [points][SPH__QUADRIC_ROWS * stride] by slot */
+    double *costs, *areas; /* [points] by slot: the quadric at the point; the area that it stands for */
+    double *shown;         /* [points] by slot: the quadric at the point as it leaves the library */
+    uint32_t *slot_of;     /* [2 points] */
+    uint8_t *locked;       /* [2 points] */
     double live_cost, live_area;
-    float *new_center;      /* [3][stride] */
-    float *zeros;           /* [SPH__QUADRIC_ROWS * stride]: the quadric of nothing */
+    float *new_center; /* [3][stride] */
+    float *zeros;      /* [SPH__QUADRIC_ROWS * stride]: the quadric of nothing */
 
     uint32_t *uses; /* [wedges]: by triangles */
     uint32_t vertex_count, triangle_count;

@@ -19,9 +19,11 @@ static void blend(const sph__form *form, const double *a, double h[SPH__FORM_SIZ
         for (uint32_t l = 0; l <= k; ++l, pair += SPH__FORM_SIZE) {
             const double both = a[k] * a[l] * (l < k ? 2 : 1);
             if (both == 0) continue;
-            for (int q = 0; q < SPH__FORM_SIZE; ++q) h[q] += both * pair[q];
+            for (int q = 0; q < SPH__FORM_SIZE; ++q)
+                h[q] += both * pair[q];
         }
-        for (int c = 0; c < 4; ++c) linear[c] += a[k] * form->linear[4 * (size_t)k + c];
+        for (int c = 0; c < 4; ++c)
+            linear[c] += a[k] * form->linear[4 * (size_t)k + c];
     }
 }
 
@@ -55,7 +57,8 @@ static void find_on_edge(const double h[SPH__FORM_SIZE], const double toward[3],
     way = bend > 0 ? slope / bend : 0.5;
     if (!(way > 0)) way = 0;
     if (way > 1) way = 1;
-    for (int c = 0; c < 3; ++c) x[c] = way * edge[c];
+    for (int c = 0; c < 3; ++c)
+        x[c] = way * edge[c];
 }
 
 void sph__solve_position(const sph__solver *solver, sph__trial *trial)
@@ -63,7 +66,8 @@ void sph__solve_position(const sph__solver *solver, sph__trial *trial)
     double h[SPH__FORM_SIZE], linear[4], toward[3], x[3], error;
     sph__sym3_factor factor;
     blend(&solver->form, trial->weights, h, linear);
-    for (int c = 0; c < 3; ++c) toward[c] = linear[c] - h[6 + c];
+    for (int c = 0; c < 3; ++c)
+        toward[c] = linear[c] - h[6 + c];
     if (sph__sym3_factorize(h, &factor) && factor.pivot[2] > OPEN * factor.pivot[0] &&
         factor.pivot[1] > OPEN * factor.pivot[0])
         sph__sym3_solve(&factor, toward, x);
@@ -114,7 +118,8 @@ static bool keep_heaviest(uint32_t count, uint32_t limit, double *weights, uint8
 {
     uint32_t used = 0;
     double sum = 0;
-    for (uint32_t k = 0; k < count; ++k) used += weights[k] > 0;
+    for (uint32_t k = 0; k < count; ++k)
+        used += weights[k] > 0;
     if (used <= limit) return false;
     memset(kept, 0, count);
     for (uint32_t i = 0; i < limit; ++i) {
@@ -127,7 +132,8 @@ static bool keep_heaviest(uint32_t count, uint32_t limit, double *weights, uint8
         if (!kept[k]) weights[k] = 0;
         sum += weights[k];
     }
-    for (uint32_t k = 0; k < count; ++k) weights[k] /= sum;
+    for (uint32_t k = 0; k < count; ++k)
+        weights[k] /= sum;
     return true;
 }
 

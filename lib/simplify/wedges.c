@@ -21,7 +21,8 @@ static uint32_t find_around(sph__simplifier *b, size_t *count, uint32_t wedge, u
 
 static uint32_t class_of(const sph__simplifier *b, uint32_t i)
 {
-    while (b->around[i].class_of != i) i = b->around[i].class_of;
+    while (b->around[i].class_of != i)
+        i = b->around[i].class_of;
     return i;
 }
 
@@ -45,14 +46,13 @@ static void blend_values(const sph__simplifier *b, size_t count, uint32_t class,
                 sums[b->around[i].side] += (double)b->p->values[b->around[i].wedge * size + q];
         for (int s = 0; s < 2; ++s)
             if (members[s] > 0) sums[s] /= members[s];
-        out[q] = (float)(members[0] == 0   ? sums[1]
-                         : members[1] == 0 ? sums[0]
-                                           : sums[0] + t * (sums[1] - sums[0]));
+        out[q] = (float)(members[0] == 0 ? sums[1] : members[1] == 0 ? sums[0] : sums[0] + t * (sums[1] - sums[0]));
     }
     if (b->o.normals != NULL) {
-        const double length = sqrt((double)out[0] * (double)out[0] + (double)out[1] * (double)out[1] +
-                                   (double)out[2] * (double)out[2]);
-        for (int c = 0; c < 3 && length > 0; ++c) out[c] = (float)((double)out[c] / length);
+        const double length =
+            sqrt((double)out[0] * (double)out[0] + (double)out[1] * (double)out[1] + (double)out[2] * (double)out[2]);
+        for (int c = 0; c < 3 && length > 0; ++c)
+            out[c] = (float)((double)out[c] / length);
     }
 }
 
@@ -120,10 +120,8 @@ sph_status sph__wedges_unite(sph__simplifier *b, uint32_t u, uint32_t v, uint32_
         const uint32_t triangle = b->moved[i];
         const bool at_u = has_corner(b, triangle, u), at_v = has_corner(b, triangle, v);
         const uint32_t side = at_u ? 0 : 1;
-        const uint32_t first =
-            find_around(b, &count, b->corners[triangle][corner_at(b, triangle, at_u ? u : v)], side);
-        if (at_u && at_v)
-            join(b, first, find_around(b, &count, b->corners[triangle][corner_at(b, triangle, v)], 1));
+        const uint32_t first = find_around(b, &count, b->corners[triangle][corner_at(b, triangle, at_u ? u : v)], side);
+        if (at_u && at_v) join(b, first, find_around(b, &count, b->corners[triangle][corner_at(b, triangle, v)], 1));
     }
     for (size_t i = 0; i < triangles && status == SPH_OK; ++i) {
         const uint32_t triangle = b->moved[i];
@@ -144,10 +142,12 @@ sph_status sph__wedges_unite(sph__simplifier *b, uint32_t u, uint32_t v, uint32_
 void sph__wedges_settle(sph__simplifier *b, uint32_t w)
 {
     const uint32_t *alive = sph__list_items(&b->mesh.node_triangles, w);
-    for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_triangles, w); ++i) b->stamps[alive[i]] = w;
+    for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_triangles, w); ++i)
+        b->stamps[alive[i]] = w;
     for (size_t i = 0; b->moved[i] != SPH__NO_NODE; ++i) {
         if (b->stamps[b->moved[i]] == w) continue;
-        for (unsigned k = 0; k < 3; ++k) unuse(b, b->corners[b->moved[i]][k]);
+        for (unsigned k = 0; k < 3; ++k)
+            unuse(b, b->corners[b->moved[i]][k]);
         --b->triangle_count;
     }
 }
@@ -161,7 +161,8 @@ sph_status sph__wedges_record(sph__simplifier *b, uint32_t point)
         return sph__fail_memory(b->context);
     for (size_t i = first; i < end; ++i) {
         const uint32_t t = (uint32_t)b->births.keys[i - first].item, at = corner_at(b, t, point);
-        for (unsigned k = 0; k < 3; ++k) p->triangle_wedges[3 * i + k] = b->corners[t][(at + k) % 3];
+        for (unsigned k = 0; k < 3; ++k)
+            p->triangle_wedges[3 * i + k] = b->corners[t][(at + k) % 3];
         p->triangle_sources[i] = b->numbers[t];
     }
     return SPH_OK;

@@ -38,7 +38,8 @@ static bool has_values_of(const sph__simplifier *b, size_t v, size_t other)
     return memcmp(b->p->values + v * size, b->p->values + other * size, size * sizeof(float)) == 0;
 }
 
-/* The vertices of one place, in order: each finds the first that moves like it, and of those the first of its values. */
+/* The vertices of one place, in order: each finds the first that moves like it, and of those the first of its values.
+ */
 static void divide(sph__simplifier *b, const sph__keyed *members, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -67,7 +68,8 @@ static void divide(sph__simplifier *b, const sph__keyed *members, size_t count)
 /* From leaders to numbers without gaps. */
 static void number_points(sph__simplifier *b)
 {
-    for (uint32_t v = 0; v < b->n; ++v) b->point_of[v] = b->point_of[v] == v ? b->points++ : b->point_of[b->point_of[v]];
+    for (uint32_t v = 0; v < b->n; ++v)
+        b->point_of[v] = b->point_of[v] == v ? b->points++ : b->point_of[b->point_of[v]];
 }
 
 static sph_status group(sph__simplifier *b, sph__partition *partition)
@@ -110,7 +112,8 @@ sph_status sph__simplify_weld(sph__simplifier *b)
     b->point_of = sph__alloc(b->context, b->n, sizeof *b->point_of);
     b->wedge_of = sph__alloc(b->context, b->n, sizeof *b->wedge_of);
     if (b->point_of == NULL || b->wedge_of == NULL) return sph__fail_memory(b->context);
-    for (uint32_t v = 0; v < b->n; ++v) b->point_of[v] = b->wedge_of[v] = v;
+    for (uint32_t v = 0; v < b->n; ++v)
+        b->point_of[v] = b->wedge_of[v] = v;
     status = copy_values(b);
     if (status == SPH_OK) status = sph__partition_init(&partition, b->context, b->n);
     if (status == SPH_OK) status = group(b, &partition);

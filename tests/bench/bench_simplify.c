@@ -6,9 +6,9 @@
  *   bench_simplify --tiny
  *
  * RIG is a glTF. Every second frame is an example pose, the others are held out. For each method and number of vertices
- * (percent of the input's points) a row: the mean and the largest distance between the posed original and the posed level,
- * both ways, over example poses and over the others, as percent of the mean diagonal; and seconds of the processor for
- * all levels. --measured bounds the poses that are measured, evenly spread. --tiny: a built-in bent tube.
+ * (percent of the input's points) a row: the mean and the largest distance between the posed original and the posed
+ * level, both ways, over example poses and over the others, as percent of the mean diagonal; and seconds of the
+ * processor for all levels. --measured bounds the poses that are measured, evenly spread. --tiny: a built-in bent tube.
  */
 #define _XOPEN_SOURCE 700
 
@@ -213,8 +213,9 @@ static void print_row(const char *name, int method, const sph_progressive *p, co
     check(sph_progressive_get_skin(p, l.collapse_count, &reduced), "level");
     examples = measure(skin, reduced, 0);
     others = measure(skin, reduced, 1);
-    printf(with.csv ? "%s,%s,%g,%u,%u,%.4f,%.4f,%.4f,%.4f,%.3f\n"
-                    : "%-12s %-20s %5g %%  %6u vertices %6u triangles  examples %7.4f %7.3f  others %7.4f %7.3f  %7.2f s\n",
+    printf(with.csv
+               ? "%s,%s,%g,%u,%u,%.4f,%.4f,%.4f,%.4f,%.3f\n"
+               : "%-12s %-20s %5g %%  %6u vertices %6u triangles  examples %7.4f %7.3f  others %7.4f %7.3f  %7.2f s\n",
            name, NAMES[method], ratio, (unsigned)l.vertex_count, (unsigned)l.triangle_count, examples.mean,
            examples.most, others.mean, others.most, taken);
     fflush(stdout);
@@ -227,7 +228,8 @@ static void run(const char *name, const sph_skin *skin)
         double taken;
         sph_progressive *p = simplify(skin, method, &taken);
         if (with.time_only)
-            printf("%-12s %-20s %u poses  %.2f s\n", name, NAMES[method], (unsigned)sph_progressive_pose_count(p), taken);
+            printf("%-12s %-20s %u poses  %.2f s\n", name, NAMES[method], (unsigned)sph_progressive_pose_count(p),
+                   taken);
         for (int r = 0; r < with.ratio_count && !with.time_only; ++r)
             print_row(name, method, p, skin, with.ratios[r], taken);
         sph_progressive_destroy(p);
@@ -260,17 +262,28 @@ int main(int argc, char **argv)
     check(sph_context_create(&o, &context), "context");
     for (int i = 1; i < argc; ++i) {
         const char *value = i + 1 < argc ? argv[i + 1] : "0";
-        if (!strcmp(argv[i], "--csv")) with.csv = true;
-        else if (!strcmp(argv[i], "--time")) with.time_only = true;
-        else if (!strcmp(argv[i], "--all-frames")) with.all_frames = true;
-        else if (!strcmp(argv[i], "--tiny")) tiny = true;
-        else if (!strcmp(argv[i], "--ratios") && ++i < argc) read_ratios(argv[i]);
-        else if (!strcmp(argv[i], "--influences")) ++i, with.influences = (uint32_t)atoi(value);
-        else if (!strcmp(argv[i], "--samples")) ++i, with.samples = (uint32_t)atoi(value);
-        else if (!strcmp(argv[i], "--measured")) ++i, with.measured = (uint32_t)atoi(value);
-        else if (!strcmp(argv[i], "--rounds")) ++i, with.rounds = (uint32_t)atoi(value);
-        else if (!strcmp(argv[i], "--tolerance")) ++i, with.tolerance = atof(value);
-        else if (argv[i][0] != '-') ++files, run_file(argv[i]);
+        if (!strcmp(argv[i], "--csv"))
+            with.csv = true;
+        else if (!strcmp(argv[i], "--time"))
+            with.time_only = true;
+        else if (!strcmp(argv[i], "--all-frames"))
+            with.all_frames = true;
+        else if (!strcmp(argv[i], "--tiny"))
+            tiny = true;
+        else if (!strcmp(argv[i], "--ratios") && ++i < argc)
+            read_ratios(argv[i]);
+        else if (!strcmp(argv[i], "--influences"))
+            ++i, with.influences = (uint32_t)atoi(value);
+        else if (!strcmp(argv[i], "--samples"))
+            ++i, with.samples = (uint32_t)atoi(value);
+        else if (!strcmp(argv[i], "--measured"))
+            ++i, with.measured = (uint32_t)atoi(value);
+        else if (!strcmp(argv[i], "--rounds"))
+            ++i, with.rounds = (uint32_t)atoi(value);
+        else if (!strcmp(argv[i], "--tolerance"))
+            ++i, with.tolerance = atof(value);
+        else if (argv[i][0] != '-')
+            ++files, run_file(argv[i]);
     }
     if (tiny) {
         sph_skin *tube = make_tube();

@@ -112,8 +112,8 @@ simplify_case make_tube(sph_context *context, unsigned rings, unsigned sides)
     for (uint32_t i = 0; i < n; ++i) {
         const double x = 4.0 * (i / pitch) / (rings - 1) - 2, angle = 6.283185307179586 * (i % pitch % sides) / sides;
         const double radius = 0.5 + 0.05 * sin(3 * x + 2 * angle) + 0.04 * cos(5 * angle - x);
-        memcpy(rest + 3 * (size_t)i,
-               (float[3]){(float)x, (float)(radius * cos(angle)), (float)(radius * sin(angle))}, 3 * sizeof *rest);
+        memcpy(rest + 3 * (size_t)i, (float[3]){(float)x, (float)(radius * cos(angle)), (float)(radius * sin(angle))},
+               3 * sizeof *rest);
         memcpy(c.normals + 3 * (size_t)i, (float[3]){0, (float)cos(angle), (float)sin(angle)}, 3 * sizeof(float));
         memcpy(c.attributes + 2 * (size_t)i, (float[2]){(float)(i % pitch) / (float)sides, (float)(x / 4 + 0.5)},
                2 * sizeof(float));

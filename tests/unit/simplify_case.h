@@ -21,8 +21,8 @@ typedef struct simplify_case {
 sph_skin *make_beam(sph_context *context, unsigned rings, unsigned cells);
 
 /*
- * An open round tube along x with `sides` sides and a bumpy surface, bent and twisted by three bones with smooth weights.
- * Its texture goes around once: at its seam vertices are there twice.
+ * An open round tube along x with `sides` sides and a bumpy surface, bent and twisted by three bones with smooth
+ * weights. Its texture goes around once: at its seam vertices are there twice.
  */
 simplify_case make_tube(sph_context *context, unsigned rings, unsigned sides);
 void free_case(simplify_case *c);

@@ -148,15 +148,51 @@ typedef struct refusal {
 } refusal;
 
 static double POSE[36];
-static void unknown_method(sph_simplify_options *o, simplify_case *c) { (void)c; o->method = 4; }
-static void flags(sph_simplify_options *o, simplify_case *c) { (void)c; o->flags = 1; }
-static void influences(sph_simplify_options *o, simplify_case *c) { (void)c; o->influence_limit = 33; }
-static void negative_border(sph_simplify_options *o, simplify_case *c) { (void)c; o->border_weight = -1; }
-static void nan_tolerance(sph_simplify_options *o, simplify_case *c) { (void)c; o->tolerance = (double)NAN; }
-static void no_rounds(sph_simplify_options *o, simplify_case *c) { (void)c; o->round_limit = 0; }
-static void no_attributes(sph_simplify_options *o, simplify_case *c) { (void)c; o->attribute_count = 2; }
-static void no_poses(sph_simplify_options *o, simplify_case *c) { (void)c; o->pose_count = 2; }
-static void old(sph_simplify_options *o, simplify_case *c) { (void)c; o->struct_size = 8; }
+static void unknown_method(sph_simplify_options *o, simplify_case *c)
+{
+    (void)c;
+    o->method = 4;
+}
+static void flags(sph_simplify_options *o, simplify_case *c)
+{
+    (void)c;
+    o->flags = 1;
+}
+static void influences(sph_simplify_options *o, simplify_case *c)
+{
+    (void)c;
+    o->influence_limit = 33;
+}
+static void negative_border(sph_simplify_options *o, simplify_case *c)
+{
+    (void)c;
+    o->border_weight = -1;
+}
+static void nan_tolerance(sph_simplify_options *o, simplify_case *c)
+{
+    (void)c;
+    o->tolerance = (double)NAN;
+}
+static void no_rounds(sph_simplify_options *o, simplify_case *c)
+{
+    (void)c;
+    o->round_limit = 0;
+}
+static void no_attributes(sph_simplify_options *o, simplify_case *c)
+{
+    (void)c;
+    o->attribute_count = 2;
+}
+static void no_poses(sph_simplify_options *o, simplify_case *c)
+{
+    (void)c;
+    o->pose_count = 2;
+}
+static void old(sph_simplify_options *o, simplify_case *c)
+{
+    (void)c;
+    o->struct_size = 8;
+}
 
 static void nan_attribute(sph_simplify_options *o, simplify_case *c)
 {

@@ -243,7 +243,8 @@ static double brute_force(problem *p)
     return best;
 }
 
-/* From the ends and the middle of an edge, as collapses begin: the best of all is found nearly always, and never missed by far. */
+/* From the ends and the middle of an edge, as collapses begin: the best of all is found nearly always, and never missed
+ * by far. */
 START_TEST(tiny_problems_are_solved_as_well_as_by_brute_force)
 {
     static const uint8_t THREE[BONES] = {1, 1, 1, 0};
@@ -256,7 +257,8 @@ START_TEST(tiny_problems_are_solved_as_well_as_by_brute_force)
         make_problem(&p, 1000 + seed);
         s = open_solver(&p);
         for (int start = 0; start < 3; ++start) {
-            sph__trial trial = {.weights = {start != 1 ? (start == 2 ? 0.5 : 1) : 0, start != 0 ? (start == 2 ? 0.5 : 1) : 0}};
+            sph__trial trial = {
+                .weights = {start != 1 ? (start == 2 ? 0.5 : 1) : 0, start != 0 ? (start == 2 ? 0.5 : 1) : 0}};
             trial.error = sph__form_error(&s->form, trial.x, trial.weights);
             if (trial.error < best.error) best = trial;
         }
