@@ -18,13 +18,15 @@ from ._library import lib
 from .animation import Animation, open_animation
 from .errors import (CancelledError, FormatError, InputOutputError, InvalidError, LimitError, OutOfMemoryError,
                      SphmeshError, StateError, UnsupportedError, VersionError)
-from .files import SpillingContext, describe, load
+from .files import SpillingContext, clips, describe, load, objects, save_mesh
 from .hierarchy import Cursor, Hierarchy
 from .implicit import NO_BONE, Curve, Field, Implicit, Joint, Part, TrackedPose, Tracker, compose, intersections
 from .level import Level
 from .measure import Measurement, measure_level, measure_meshes
 from .pose import Deformer, Pose, Skeleton
+from .quadric import Minimum, Quadric
 from .query import Query, sweeps
+from .rig import Rig
 from .simplify import Attributes, Progressive, RigLevels
 from .skin import Clip, Skin
 from .surface import Mesh, Surface

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Optional, Union
+from typing import Any, Callable, List, Optional, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _abi
-from ._calls import Context, Handle, Progress, Record, default_context, options, sized
+from ._arrays import address, indices, tight
+from ._calls import Context, Handle, Progress, Record, default_context, options, report, sized
 from ._library import lib
 from .animation import PathLike, encoded
 from .hierarchy import Hierarchy
@@ -36,6 +40,54 @@ def describe(path: PathLike, *, context: Optional[Context] = None) -> Record:
     return Record(out)
 
 
+def clips(path: PathLike, *, fps: float = 0, context: Optional[Context] = None) -> List[Record]:
+    """The clips of a glTF: `name`, `duration` in seconds, and `frame_count` at so many frames per second; 0: 30."""
+    context = context or default_context()
+    told: List[Record] = []
+    context.run(lib.sph_io_list_clips, context._handle.pointer, encoded(path), fps,
+                _abi.sph_io_clip_fn(_noting(_abi.sph_io_clip, told)), None)
+    return told
+
+
+def objects(path: PathLike, *, object: Optional[str] = None,
+            context: Optional[Context] = None) -> Tuple[Optional[Record], List[Record]]:
+    """What an Alembic says of itself, and its objects: `path`, `kind`, `vertex_count`, `chosen`, `hidden`, ...
+
+    Args:
+        object: which are chosen, as in open_animation().
+    """
+    context = context or default_context()
+    archives: List[Record] = []
+    told: List[Record] = []
+    context.run(lib.sph_io_list_objects, context._handle.pointer, encoded(path),
+                None if object is None else object.encode(),
+                _abi.sph_io_archive_fn(_noting(_abi.sph_io_archive, archives)),
+                _abi.sph_io_object_fn(_noting(_abi.sph_io_object, told)), None)
+    return archives[0] if archives else None, told
+
+
+def _noting(struct: Any, told: List[Record]) -> Callable[[Optional[int], Any], None]:
+    """A callback that keeps what it is told."""
+
+    def take(user: Optional[int], pointer: Any) -> None:
+        try:
+            told.append(Record(pointer.contents))
+        except BaseException as error:
+            report(error)
+
+    return take
+
+
+def save_mesh(path: PathLike, positions: ArrayLike, triangles: ArrayLike, normals: Optional[ArrayLike] = None, *,
+              context: Optional[Context] = None) -> None:
+    """Writes a mesh as .obj, or .ply (binary)."""
+    context = context or default_context()
+    points, faces = tight(positions, np.float32, -1, 3), indices(triangles, 3)
+    ways = None if normals is None else tight(normals, np.float32, len(points), 3)
+    context.run(lib.sph_io_save_mesh, context._handle.pointer, len(points), address(points), address(ways), len(faces),
+                address(faces), encoded(path))
+
+
 class SpillingContext(Context):
     """A context for data that does not fit into memory: large blocks live in a temporary file.
 
@@ -63,3 +115,7 @@ class SpillingContext(Context):
         out = sized(_abi.sph_io_spill_figures)
         self.check(lib.sph_io_spill_get_figures(self._spill.pointer, ctypes.byref(out)))
         return Record(out)
+
+    def trim(self) -> None:
+        """Looks at the memory now, and takes pages away where it is near the limit; it does so by itself, too."""
+        lib.sph_io_spill_trim(self._spill.pointer)

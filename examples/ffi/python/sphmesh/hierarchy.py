@@ -117,6 +117,11 @@ class Hierarchy(Owned):
         return float(lib.sph_hierarchy_bounding_diagonal(self._pointer))
 
     @property
+    def evaluation_count(self) -> int:
+        """Edge costs that were evaluated while building; 0 where it was loaded."""
+        return int(lib.sph_hierarchy_evaluation_count(self._pointer))
+
+    @property
     def first_forced(self) -> int:
         """The first collapse that inverts triangles; C where none does."""
         return int(lib.sph_hierarchy_first_forced(self._pointer))

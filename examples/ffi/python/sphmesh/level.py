@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, Optional
+from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -163,17 +163,29 @@ class Level(Owned):
                          progress=progress)
         return Record(out)
 
-    def inflated(self, animation: Animation, *, margin: float = 0, rounds: Optional[int] = None,
-                 progress: Optional[Progress] = None) -> Level:
-        """A level with radii just so large that it contains every vertex in every frame, `margin` deep."""
-        how = options(_abi.sph_inflation_options, margin=margin, rounds=rounds)
+    def inflated(self, animation: Animation, **how: Any) -> Level:
+        """A level with radii just so large that it contains every vertex in every frame: the first of inflate()."""
+        return self.inflate(animation, **how)[0]
+
+    def inflate(self, animation: Animation, *, margin: float = 0, rounds: Optional[int] = None,
+                progress: Optional[Progress] = None) -> Tuple[Level, Record]:
+        """A level that contains every vertex in every frame, and what that took.
+
+        Args:
+            margin: how deep vertices shall lie in it.
+            rounds: passes that look for small radii.
+
+        Returns:
+            the level, and `grown_count`, `max_growth`, `mean_growth`, `volume_before`, `volume_after` and `rounds`.
+        """
+        how, told = options(_abi.sph_inflation_options, margin=margin, rounds=rounds), sized(_abi.sph_inflation)
         pointer = self.context.make(lib.sph_coverage_inflate, animation._pointer, self._pointer, ctypes.byref(how),
-                                    None, progress=progress)
-        return self._own(self.context, pointer, lib.sph_level_destroy)
+                                    ctypes.byref(told), progress=progress)
+        return self._own(self.context, pointer, lib.sph_level_destroy), Record(told)
 
     def export(self, path: PathLike, *, format: str = "by_name", first_frame: int = 0, frame_step: int = 1,
                frame_limit: int = 0, cover_solid: bool = False, gap: float = 0, name: Optional[str] = None,
-               progress: Optional[Progress] = None) -> Record:
+               coverage: Optional[Record] = None, progress: Optional[Progress] = None) -> Record:
         """Writes the level for other tools.
 
         Args:
@@ -182,6 +194,7 @@ class Level(Owned):
             cover_solid: of lists of spheres: spheres contain the solid, instead of lying in it.
             gap: of lists of spheres: how far they may be off, model units; 0: 1/50 of the diagonal.
             name: of the robot and its link.
+            coverage: what coverage() told, for the file to say.
 
         Returns:
             what was written: `frame_count`, `sphere_count`, `capsule_count`, `triangle_count` and `gap`.
@@ -189,6 +202,11 @@ class Level(Owned):
         how = options(_abi.sph_io_export_options, format=choice("SPH_IO_EXPORT_", format), first_frame=first_frame,
                       frame_step=frame_step, frame_limit=frame_limit, cover_solid=int(cover_solid), gap=gap,
                       name=None if name is None else name.encode())
+        if coverage is not None:
+            said = sized(_abi.sph_coverage)
+            for field in ("frame", "vertex", "distance", "uncovered_count"):
+                setattr(said, field, getattr(coverage, field))
+            how.coverage = ctypes.pointer(said)
         out = sized(_abi.sph_io_export_report)
         self.context.run(lib.sph_io_export_level, self.context._handle.pointer, self._pointer, encoded(path),
                          ctypes.byref(how), ctypes.byref(out), progress=progress)

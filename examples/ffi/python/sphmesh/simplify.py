@@ -14,6 +14,7 @@ from ._calls import Context, Handle, Owned, Progress, Record, choice, default_co
 from ._library import lib
 from .animation import PathLike, encoded
 from .hierarchy import Cursor
+from .rig import Rig
 from .skin import Skin, nothing, open_rig_options, rows
 
 
@@ -60,6 +61,11 @@ class Progressive(Owned):
     def collapse_count(self) -> int:
         """C: levels are 0 to C."""
         return int(lib.sph_progressive_collapse_count(self._pointer))
+
+    @property
+    def point_count(self) -> int:
+        """Places that the vertices of the input share: the finest level's points."""
+        return int(lib.sph_progressive_point_count(self._pointer))
 
     @property
     def pose_count(self) -> int:
@@ -148,6 +154,11 @@ class RigLevels(Owned):
     def progressive(self) -> Progressive:
         """The levels."""
         return Progressive._own(self.context, lib.sph_io_rig_levels_progressive(self._pointer), nothing, self._held)
+
+    @property
+    def rig(self) -> Rig:
+        """The file's rig as it is read."""
+        return Rig._own(self.context, lib.sph_io_rig_levels_rig(self._pointer), nothing, self._held)
 
     def save(self, path: PathLike, levels: Sequence[int]) -> None:
         """Writes the file as .glb with its meshes at a level, or at several, finest first (MSFT_lod)."""

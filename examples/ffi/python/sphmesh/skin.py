@@ -163,13 +163,11 @@ class Skin(Owned):
     def open(cls, path: PathLike, *, clip: Optional[str] = None, fps: float = 0, first_frame: int = 0,
              end_frame: int = 0, frame_step: int = 1, progress: Optional[Progress] = None,
              context: Optional[Context] = None) -> Skin:
-        """Reads the skinned mesh of a glTF: its rest pose, weights, and its joints' transforms in every frame."""
-        context = context or default_context()
-        how = open_rig_options(clip, fps, first_frame, end_frame, frame_step)
-        pointer = context.make(lib.sph_io_open_rig, context._handle.pointer, encoded(path), ctypes.byref(how),
-                               progress=progress)
-        rig = Handle(pointer, lib.sph_io_rig_destroy, context._handle)
-        return cls._own(context, lib.sph_io_rig_skin(pointer), nothing, rig)
+        """Reads the skinned mesh of a glTF: its rest pose, weights, and its joints' transforms in every frame; see Rig."""
+        from .rig import Rig
+
+        return Rig(path, clip=clip, fps=fps, first_frame=first_frame, end_frame=end_frame, frame_step=frame_step,
+                   progress=progress, context=context).skin
 
     def save(self, path: PathLike, *, weights: str = "float", fps: float = 30, skeleton: Optional[Skeleton] = None,
              progress: Optional[Progress] = None) -> None:

@@ -2,6 +2,7 @@
 """Hierarchies, levels and what levels are asked, against closed forms, brute force and the program."""
 import json
 import os
+import pathlib
 import subprocess
 
 import numpy as np
@@ -190,14 +191,22 @@ def test_inflation_covers_what_sticks_out():
     animation, level = sphmesh.Animation(points, triangles), sphmesh.Level([[0, 0, 0]], [1])
     assert level.coverage(animation).distance == pytest.approx(0.5, abs=1e-6)
     assert level.coverage(animation).uncovered_count == len(points)
-    larger = level.inflated(animation, margin=0.25)
+    larger, told = level.inflate(animation, margin=0.25)
+    assert told.grown_count == 1 and told.max_growth == pytest.approx(0.75, abs=1e-3)
+    assert told.volume_after == pytest.approx(4 / 3 * np.pi * 1.75 ** 3, rel=0.02)
+    assert level.inflated(animation, margin=0.25).to_bytes() == larger.to_bytes()
     assert larger.coverage(animation).uncovered_count == 0 and larger.radii[0] == pytest.approx(1.75, abs=1e-3)
 
 
-def test_exports_say_what_they_hold(tmp_path, level):
+def test_exports_say_what_they_hold(tmp_path, level, animation):
     told = level.export(tmp_path / "l.json", format="primitives", frame_step=2)
     assert (told.frame_count, told.capsule_count, told.triangle_count) == (2, len(level.edges), len(level.triangles))
     assert json.loads((tmp_path / "l.json").read_text())["frames"] == 2
+    covered = level.coverage(animation)
+    level.export(tmp_path / "l.json", format="primitives", coverage=covered)
+    said = json.loads((tmp_path / "l.json").read_text())["coverage"]
+    assert (said["largest_uncovered_distance"], said["frame"], said["vertex"], said["uncovered"]) == (
+        covered.distance, covered.frame, covered.vertex, covered.uncovered_count)
     told = sphmesh.Level([[0, 0, 0]], [1]).export(tmp_path / "l.urdf", name="ball")
     assert told.sphere_count == 1 and 'name="ball"' in (tmp_path / "l.urdf").read_text()
     level.surface(resolution=16).save(tmp_path / "s.ply", 1)
@@ -209,3 +218,44 @@ def test_large_data_may_live_in_a_file(tmp_path, hierarchy):
     animation = sphmesh.Animation(FRAMES, TRIANGLES, context=context)
     assert animation.build().to_bytes() == hierarchy.to_bytes()
     assert context.figures.file_bytes > 0
+    context.trim()
+
+
+def test_the_quadric_of_planes_around_a_ball_finds_the_ball():
+    quadric = sphmesh.Quadric(2)
+    rng = np.random.default_rng(6)
+    centers = np.array([[1.0, 2, 3], [-4, 5, 6]])
+    for frame, center in enumerate(centers):
+        for normal in rng.normal(size=(20, 3)):
+            normal /= np.linalg.norm(normal)
+            quadric.add_plane(frame, center + 0.7 * normal, normal, 2.0)
+    found = quadric.minimize()
+    assert found.radius == pytest.approx(0.7) and np.allclose(found.centers, centers) and found.cost < 1e-10
+    assert found.degenerate_frames == 0 and quadric.evaluate(centers, 1.7) == pytest.approx(80)  # 40 planes, off by 1
+    quadric += quadric
+    assert quadric.evaluate(centers, 1.7) == pytest.approx(160)
+    quadric.add_attachment(0, centers[0] + [3, 0, 0], 0.5)
+    assert quadric.evaluate(centers, 0.7) == pytest.approx(4.5)
+    assert quadric.minimize(0.5).radius == 0.5
+    with pytest.raises(sphmesh.InvalidError, match="2"):
+        quadric.add_plane(2, [0, 0, 0], [1, 0, 0])
+
+
+def test_meshes_are_saved(tmp_path):
+    sphmesh.save_mesh(tmp_path / "m.obj", FRAMES[1], TRIANGLES)
+    again = sphmesh.open_animation(tmp_path / "m.obj")
+    assert np.array_equal(again.read_frame(0), FRAMES[1]) and np.array_equal(again.triangles, TRIANGLES)
+    assert sphmesh.clips(tmp_path / "m.obj") == [] and sphmesh.objects(tmp_path / "m.obj") == (None, [])
+
+
+def test_an_archive_tells_its_objects():
+    file = pathlib.Path(__file__).resolve().parents[4] / "tests/io/fixtures/alembic_scene.abc"
+    archive, told = sphmesh.objects(file)
+    assert archive.application == "make_alembic.py" and archive.version == 10800
+    kinds = {thing.path: thing.kind for thing in told}
+    assert kinds["/root"] == "Xform" and kinds["/root/cage"] == "SubD" and kinds["/root/hair"] == "Curve"
+    assert [t.path for t in told if t.hidden and t.vertex_count] == ["/root/ghost/ghostShape"]
+    chosen = sum(thing.vertex_count for thing in told if thing.chosen)
+    assert sphmesh.open_animation(file).vertex_count == chosen == 26
+    body = sphmesh.open_animation(file, object="body")
+    assert body.vertex_count == 8

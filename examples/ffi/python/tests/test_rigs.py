@@ -111,9 +111,25 @@ def test_a_rig_in_a_file_gets_levels(tmp_path, skin):
         number = levels.find(triangles=100)
         count = levels.describe(number).triangle_count
         rig.save(tmp_path / "small.glb", [number])
+        assert rig.rig.names == sphmesh.Rig(tmp_path / "tube.glb").names
     assert levels.collapse_count > 0  # the file's levels are there as long as somebody looks at them
     again = sphmesh.Skin.open(tmp_path / "small.glb")
     assert len(again.triangles) == count and again.bone_count == 2
+
+
+def test_a_rig_in_a_file_tells_its_joints(tmp_path, skin):
+    skeleton = skin.skeleton(root=0)
+    skin.save(tmp_path / "tube.glb", skeleton=skeleton)
+    rig = sphmesh.Rig(tmp_path / "tube.glb")
+    assert len(set(rig.names)) == 2 and all(rig.names) and len(rig.nodes) == 2 and not rig.morphs and len(rig.edges) == 0
+    assert rig.parents.tolist() == [sphmesh.NO_JOINT, 0]
+    assert np.allclose(rig.inverse_bind, skeleton.inverse_bind, atol=1e-6)
+    square = [np.concatenate([a, np.broadcast_to([0, 0, 0, 1], (*a.shape[:-2], 1, 4))], -2)
+              for a in (rig.joints, rig.inverse_bind)]
+    assert np.allclose((square[0] @ square[1])[..., :3, :], rig.skin.transforms, atol=1e-6)
+    assert np.allclose(rig.joints_rest[1][:, 3], skeleton.positions[1], atol=1e-6)
+    clip, = sphmesh.clips(tmp_path / "tube.glb")
+    assert clip.frame_count == 4 and clip.duration == pytest.approx(0.1)
 
 
 def test_the_field_of_a_ball_is_its_distance():
