@@ -48,7 +48,7 @@ bool sph__heap_top(const sph__heap *heap, uint32_t *item);
 bool sph__heap_pop(sph__heap *heap, uint32_t *item);
 
 /* The first `most` items in their order, at most SPH__HEAP_FIRST; returns how many. */
-enum { SPH__HEAP_FIRST = 256 };
+enum { SPH__HEAP_FIRST = 128 };
 size_t sph__heap_first(const sph__heap *heap, uint32_t *items, size_t most);
 
 static inline bool sph__heap_contains(const sph__heap *heap, uint32_t item)
