@@ -36,8 +36,11 @@ enum { SPH__WITNESSES = 4 };
 
 /* What finding the exact width of a union needs. */
 typedef struct sph__extents {
-    uint32_t *member_stamps;                /* [n]: in the union, where the stamp is */
-    uint32_t *vertex_places, *place_stamps; /* [n]: a vertex's place in `vertices`, valid where the stamp is */
+    struct sph__extent_vertex {
+        uint32_t member_stamp; /* in the union, where this is `stamp` */
+        uint32_t place_stamp;  /* then it is in `vertices`, at this place: */
+        uint32_t place;
+    } *places; /* [n] */
     uint32_t stamp;
     uint32_t *vertices; /* that the points are made of */
     size_t vertex_count, vertex_capacity;
@@ -47,6 +50,7 @@ typedef struct sph__extents {
     size_t placed_capacity;
     double *witnesses;   /* [SPH__WITNESSES - 1][3][stride]: a few of the points, from the first of them */
     double *chunk_least; /* [stride / lanes][direction_stride]: their least extents in each chunk of frames */
+    double *chunk_floor; /* [stride / lanes]: the least of these */
 } sph__extents;
 
 typedef struct sph__builder {

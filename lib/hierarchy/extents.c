@@ -9,72 +9,71 @@
 sph_status sph__extents_init(const sph__builder *b, sph__extents *e)
 {
     *e = (sph__extents){.stamp = 0};
-    e->member_stamps = sph__zalloc(b->context, b->n, sizeof *e->member_stamps);
-    e->vertex_places = sph__alloc(b->context, b->n, sizeof *e->vertex_places);
-    e->place_stamps = sph__zalloc(b->context, b->n, sizeof *e->place_stamps);
+    e->places = sph__zalloc(b->context, b->n, sizeof *e->places);
     e->witnesses = sph__alloc(b->context, 3 * (SPH__WITNESSES - 1), b->stride * sizeof *e->witnesses);
     e->chunk_least = sph__alloc(b->context, b->stride / SPH__LANES, b->direction_stride * sizeof *e->chunk_least);
-    return e->member_stamps == NULL || e->vertex_places == NULL || e->place_stamps == NULL || e->witnesses == NULL ||
-                   e->chunk_least == NULL
+    e->chunk_floor = sph__alloc(b->context, b->stride / SPH__LANES, sizeof *e->chunk_floor);
+    return e->places == NULL || e->witnesses == NULL || e->chunk_least == NULL || e->chunk_floor == NULL
                ? sph__fail_memory(b->context)
                : SPH_OK;
 }
 
 void sph__extents_free(const sph__builder *b, sph__extents *e)
 {
-    sph__free(b->context, e->member_stamps);
-    sph__free(b->context, e->vertex_places);
-    sph__free(b->context, e->place_stamps);
+    sph__free(b->context, e->places);
     sph__free(b->context, e->vertices);
     sph__free(b->context, e->points);
     sph__free(b->context, e->placed);
     sph__free(b->context, e->witnesses);
     sph__free(b->context, e->chunk_least);
+    sph__free(b->context, e->chunk_floor);
 }
 
 /* --- the points that a union's extents depend on --- */
 
-/* The place of vertex v among the vertices of the union's points. */
-static bool place_of(const sph__builder *b, sph__extents *e, uint32_t v, uint32_t *place)
+/* The place of vertex v among the vertices of the union's points; there is room for it. */
+static uint32_t place_of(sph__extents *e, uint32_t v)
 {
-    if (e->place_stamps[v] != e->stamp) {
-        if (!sph__reserve(b->context, (void **)&e->vertices, &e->vertex_capacity, e->vertex_count + 1,
-                          sizeof *e->vertices))
-            return false;
-        e->place_stamps[v] = e->stamp;
-        e->vertex_places[v] = (uint32_t)e->vertex_count;
+    struct sph__extent_vertex *vertex = &e->places[v];
+    if (vertex->place_stamp != e->stamp) {
+        vertex->place_stamp = e->stamp;
+        vertex->place = (uint32_t)e->vertex_count;
         e->vertices[e->vertex_count++] = v;
     }
-    *place = e->vertex_places[v];
-    return true;
+    return vertex->place;
 }
 
-/* Makes the mean of three vertices a point, or of two where z is SPH__NO_NODE. */
-static bool add_point(const sph__builder *b, sph__extents *e, uint32_t x, uint32_t y, uint32_t z)
+/* Makes the mean of three vertices a point, or of two where z is SPH__NO_NODE; by their places. */
+static void add_point(sph__extents *e, uint32_t x, uint32_t y, uint32_t z)
 {
-    uint32_t *point;
-    if (!sph__reserve(b->context, (void **)&e->points, &e->point_capacity, e->point_count + 1, sizeof *e->points))
-        return false;
-    point = e->points[e->point_count++];
+    uint32_t *point = e->points[e->point_count++];
+    point[0] = x;
+    point[1] = y;
     point[2] = z;
-    return place_of(b, e, x, &point[0]) && place_of(b, e, y, &point[1]) &&
-           (z == SPH__NO_NODE || place_of(b, e, z, &point[2]));
 }
 
 /* The points of vertex v's cell: itself, and of the triangles that leave the region the midpoints and the centroid. */
 static bool add_cell(const sph__builder *b, sph__extents *e, uint32_t v)
 {
-    if (!add_point(b, e, v, v, SPH__NO_NODE)) return false;
+    const size_t cells = b->cell_starts[v + 1] - b->cell_starts[v];
+    uint32_t own;
+    if (!sph__reserve(b->context, (void **)&e->vertices, &e->vertex_capacity, e->vertex_count + 2 * cells + 1,
+                      sizeof *e->vertices) ||
+        !sph__reserve(b->context, (void **)&e->points, &e->point_capacity, e->point_count + 3 * cells + 1,
+                      sizeof *e->points))
+        return false;
+    own = place_of(e, v);
+    add_point(e, own, own, SPH__NO_NODE);
     for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
         uint32_t x, y;
         bool x_inside, y_inside;
         sph__cell_others(b, i, v, &x, &y);
-        x_inside = e->member_stamps[x] == e->stamp;
-        y_inside = e->member_stamps[y] == e->stamp;
+        x_inside = e->places[x].member_stamp == e->stamp;
+        y_inside = e->places[y].member_stamp == e->stamp;
         if (x_inside && y_inside) continue; /* within the hull of the region's vertices */
-        if (!x_inside && !add_point(b, e, v, x, SPH__NO_NODE)) return false;
-        if (!y_inside && b->cell_open[v] && !add_point(b, e, v, y, SPH__NO_NODE)) return false;
-        if (!(x_inside && x < v) && !(y_inside && y < v) && !add_point(b, e, v, x, y)) return false;
+        if (!x_inside) add_point(e, own, place_of(e, x), SPH__NO_NODE);
+        if (!y_inside && b->cell_open[v]) add_point(e, own, place_of(e, y), SPH__NO_NODE);
+        if (!(x_inside && x < v) && !(y_inside && y < v)) add_point(e, own, place_of(e, x), place_of(e, y));
     }
     return true;
 }
@@ -90,7 +89,7 @@ static bool add_region(const sph__builder *b, sph__extents *e, const sph__slot *
 static void mark_members(const sph__builder *b, sph__extents *e, const sph__slot *slot)
 {
     uint32_t v = (uint32_t)(slot - b->slots);
-    for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v]) e->member_stamps[v] = e->stamp;
+    for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v]) e->places[v].member_stamp = e->stamp;
 }
 
 /* A stride coprime to the count, so that points far apart come first and a direction's extent shows soon. */
@@ -112,8 +111,7 @@ static size_t spread_stride(size_t count)
 static void start_stamp(const sph__builder *b, sph__extents *e)
 {
     if (++e->stamp != 0) return;
-    memset(e->member_stamps, 0, b->n * sizeof *e->member_stamps);
-    memset(e->place_stamps, 0, b->n * sizeof *e->place_stamps);
+    memset(e->places, 0, b->n * sizeof *e->places);
     e->stamp = 1;
 }
 
@@ -192,15 +190,29 @@ static double least_extent(const sph__builder *b, size_t i, const double extents
 
 /* --- a few points first --- */
 
-/* Point p in the first frame. */
-static void point_at_start(const sph__builder *b, const sph__extents *e, size_t p, double x[3])
+/* Points that witnesses are chosen from, in the first frame: any will do. */
+enum { SAMPLES = 128 };
+
+typedef struct sample {
+    double points[SAMPLES][3];
+    size_t numbers[SAMPLES], count;
+} sample;
+
+static void take_sample(const sph__builder *b, const sph__extents *e, sample *some)
 {
-    const uint32_t *place = e->points[p];
-    const unsigned corners = place[2] == SPH__NO_NODE ? 2 : 3;
-    x[0] = x[1] = x[2] = 0;
-    for (unsigned c = 0; c < corners; ++c)
-        for (unsigned k = 0; k < 3; ++k)
-            x[k] += (double)sph__node_center(b, e->vertices[place[c]])[k * b->stride] / corners;
+    const size_t step = e->point_count / (SAMPLES / 2) + 1;
+    some->count = 0;
+    for (size_t p = 0; p < e->point_count; p += step) {
+        const uint32_t *place = e->points[p];
+        const bool two = place[2] == SPH__NO_NODE;
+        const float *x = sph__node_center(b, e->vertices[place[0]]), *y = sph__node_center(b, e->vertices[place[1]]);
+        const float *z = two ? x : sph__node_center(b, e->vertices[place[2]]);
+        const double part = two ? 0.5 : 1.0 / 3, last = two ? 0 : part;
+        for (size_t k = 0; k < 3; ++k)
+            some->points[some->count][k] = part * ((double)x[k * b->stride] + (double)y[k * b->stride]) +
+                                           last * (double)z[k * b->stride];
+        some->numbers[some->count++] = p;
+    }
 }
 
 /* Squared distance from `from`; of what is across `axis` where there is one. */
@@ -213,19 +225,16 @@ static double spread_from(const double x[3], const double from[3], const double 
     return c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
 }
 
-/* Of every `step`th point the one farthest so. */
-static size_t farthest(const sph__builder *b, const sph__extents *e, const double from[3], const double *axis)
+/* The one farthest so. */
+static size_t farthest(const sample *some, const double from[3], const double *axis)
 {
-    const size_t step = e->point_count / 64 + 1; /* any points will do */
     size_t best = 0;
     double most = -1;
-    for (size_t p = 0; p < e->point_count; p += step) {
-        double x[3], spread;
-        point_at_start(b, e, p, x);
-        spread = spread_from(x, from, axis);
+    for (size_t i = 0; i < some->count; ++i) {
+        const double spread = spread_from(some->points[i], from, axis);
         if (spread > most) {
             most = spread;
-            best = p;
+            best = i;
         }
     }
     return best;
@@ -234,16 +243,16 @@ static size_t farthest(const sph__builder *b, const sph__extents *e, const doubl
 /* Far apart in the first frame: the ends of the union, and what is farthest from the line between them. */
 static void choose_witnesses(const sph__builder *b, const sph__extents *e, size_t witnesses[SPH__WITNESSES])
 {
-    double x[3], y[3], axis[3];
-    point_at_start(b, e, 0, x);
-    witnesses[0] = farthest(b, e, x, NULL);
-    point_at_start(b, e, witnesses[0], x);
-    witnesses[1] = farthest(b, e, x, NULL);
-    point_at_start(b, e, witnesses[1], y);
-    for (unsigned k = 0; k < 3; ++k) axis[k] = y[k] - x[k];
-    witnesses[2] = farthest(b, e, x, axis);
-    point_at_start(b, e, witnesses[2], x);
-    witnesses[3] = farthest(b, e, x, axis);
+    sample some;
+    size_t chosen[SPH__WITNESSES];
+    double axis[3];
+    take_sample(b, e, &some);
+    chosen[0] = farthest(&some, some.points[0], NULL);
+    chosen[1] = farthest(&some, some.points[chosen[0]], NULL);
+    for (unsigned k = 0; k < 3; ++k) axis[k] = some.points[chosen[1]][k] - some.points[chosen[0]][k];
+    chosen[2] = farthest(&some, some.points[chosen[1]], axis);
+    chosen[3] = farthest(&some, some.points[chosen[2]], axis);
+    for (size_t i = 0; i < SPH__WITNESSES; ++i) witnesses[i] = some.numbers[chosen[i]];
 }
 
 SPH__INLINE void load_point(const sph__builder *b, const sph__extents *e, size_t p, size_t i, sph__v8d x[3])
@@ -284,12 +293,14 @@ SPH__CLONES static double place_witnesses(const sph__builder *b, const sph__exte
     return 3 * size;
 }
 
-/* The witnesses' least extents in each chunk of frames, by direction, into chunk_least. */
-SPH__CLONES static void witness_extents(const sph__builder *b, const double *rows, double *chunk_least)
+/* The witnesses' least extents in each chunk of frames, by direction, into chunk_least; of all directions into floors. */
+SPH__CLONES static void witness_extents(const sph__builder *b, const double *rows, double *chunk_least, double *floors)
 {
     const size_t s = b->stride, ds = b->direction_stride;
     for (size_t i = 0; i < s; i += SPH__LANES, chunk_least += ds) {
         const size_t lanes = b->frames - i < SPH__LANES ? b->frames - i : SPH__LANES;
+        sph__v8d least_of_all;
+        sph__fill((double)INFINITY, &least_of_all);
         for (size_t j = 0; j < ds; j += SPH__LANES) {
             const double *k = b->direction_rows + j;
             const sph__v8d k0 = *(const sph__v8d *)k, k1 = *(const sph__v8d *)(k + ds);
@@ -308,7 +319,9 @@ SPH__CLONES static void witness_extents(const sph__builder *b, const double *row
                 sph__smaller(&high, &least);
             }
             *(sph__v8d *)(chunk_least + j) = least;
+            sph__smaller(&least, &least_of_all);
         }
+        floors[i / SPH__LANES] = sph__least_lane(&least_of_all);
     }
 }
 
@@ -317,6 +330,7 @@ static void try_chunk(const sph__builder *b, const sph__extents *e, size_t i, do
 {
     const double *least = e->chunk_least + i / SPH__LANES * b->direction_stride;
     bool placed = false;
+    if (e->chunk_floor[i / SPH__LANES] > *best * (1 + 1e-9) + noise) return;
     for (uint32_t j = 0; j < b->direction_count; ++j) {
         _Alignas(SPH__ALIGN) double extents[SPH__LANES];
         double found;
@@ -333,7 +347,7 @@ sph_status sph__union_width(const sph__builder *b, sph__extents *e, const sph__s
                             double *width)
 {
     size_t witnesses[SPH__WITNESSES], first = 0;
-    double least = (double)INFINITY, noise;
+    double noise;
     sph_status status;
     *width = sph__union_width_bound(b, u, v);
     if (b->probe_frames == b->frames) return SPH_OK;
@@ -341,14 +355,9 @@ sph_status sph__union_width(const sph__builder *b, sph__extents *e, const sph__s
     if (status != SPH_OK) return status;
     choose_witnesses(b, e, witnesses);
     noise = 1e-13 * place_witnesses(b, e, witnesses, e->witnesses); /* more than rounding of extents */
-    witness_extents(b, e->witnesses, e->chunk_least);
-    for (size_t i = 0; i < b->stride; i += SPH__LANES)
-        for (uint32_t j = 0; j < b->direction_count; ++j) {
-            const double extent = e->chunk_least[i / SPH__LANES * b->direction_stride + j];
-            if (extent >= least) continue;
-            least = extent;
-            first = i;
-        }
+    witness_extents(b, e->witnesses, e->chunk_least, e->chunk_floor);
+    for (size_t i = SPH__LANES; i < b->stride; i += SPH__LANES)
+        if (e->chunk_floor[i / SPH__LANES] < e->chunk_floor[first / SPH__LANES]) first = i;
     try_chunk(b, e, first, noise, width);
     for (size_t i = 0; i < b->stride; i += SPH__LANES)
         if (i != first) try_chunk(b, e, i, noise, width);

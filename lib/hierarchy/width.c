@@ -237,8 +237,9 @@ sph_status sph__make_widths(sph__builder *b)
     if (b->directions == NULL || b->direction_rows == NULL || (all ? b->probes == NULL : b->probe_bounds == NULL))
         return sph__fail_memory(b->context);
     sph__width_directions(b->direction_count, b->directions);
-    for (uint32_t j = 0; j < b->direction_count; ++j)
-        for (size_t k = 0; k < 3; ++k) b->direction_rows[k * stride + j] = b->directions[j][k];
+    for (size_t j = 0; j < stride; ++j) /* padded with the last, which changes nothing that is least */
+        for (size_t k = 0; k < 3; ++k)
+            b->direction_rows[k * stride + j] = b->directions[j < b->direction_count ? j : b->direction_count - 1][k];
     sph__parallel_for(b->context, b->n, GRAIN, all ? probe_leaves : bound_leaves, b);
     return sph__extents_init(b, &b->extents);
 }
