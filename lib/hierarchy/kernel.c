@@ -1,7 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include <math.h>
-#include <string.h>
-
 #include "base/base.h"
 #include "hierarchy/kernel.h"
 #include "hierarchy/lanes.h"
@@ -109,6 +106,18 @@ SPH__INLINE void invert_frames(const frame_quadric *q, frame_inverse *v)
     v->inverse = sph__select(v->regular, 1.0 / det, det - det);
 }
 
+/* Asks for the rows of the frames that come so many later: the machine's own guesses end with each page. */
+enum { AHEAD = 32 };
+
+SPH__INLINE void ask_ahead(const sph__region *region, size_t s, size_t i)
+{
+    const size_t rows = region->leaf ? SPH__LEAF_ROWS : SPH__BLOCK_ROWS;
+    const char *begin;
+    if (i + AHEAD >= s) return;
+    begin = (const char *)(region->block + (i + AHEAD) * rows);
+    for (size_t line = 0; line < rows * SPH__LANES * sizeof(float); line += 64) __builtin_prefetch(begin + line);
+}
+
 /* What sums over frames are made of, lane by lane. */
 enum { SUM_B, SUM_C, SUM_NN, SUM_NB, SUM_BB, SUM_MU, SUM_NU, SUM_B1, SUM_SCALE, SUM_COUNT, SUMS };
 
@@ -149,7 +158,11 @@ SPH__CLONES static void sums_clones(const sph__region *u, const sph__region *v, 
 {
     const sph__v8d zero = {0}, offset = zero + (v->radius - u->radius);
     sph__v8d sums[SUMS] = {{0}};
-    for (size_t i = 0; i < s; i += SPH__LANES) add_sums(u, v, s, i, &offset, coherence, sums);
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        ask_ahead(u, s, i);
+        ask_ahead(v, s, i);
+        add_sums(u, v, s, i, &offset, coherence, sums);
+    }
     for (size_t k = 0; k < SUMS; ++k) out[k] = sph__sum(sums[k]);
 }
 
@@ -282,106 +295,6 @@ void sph__kernel_unite(const sph__region *u, const sph__region *v, size_t stride
     *w = uw;
     *b = ub - out[2] - r * uw;
     *c = uc + out[3] + r * (0.5 * r * uw - ub);
-}
-
-/* Eight frames, or eight triangles, of sqrt(area * area') n.n'. */
-SPH__INLINE void add_inversion(const float *p, const float *q, const float *before, const float *after, size_t s,
-                               size_t i, sph__v8d *sum)
-{
-    const sph__v8d zero = {0};
-    sph__v8d e[3], f[3], g[3], n[3], m[3], dot, squared, root;
-    for (size_t k = 0; k < 3; ++k) {
-        const sph__v8d o = sph__load(p, k * s + i);
-        e[k] = sph__load(q, k * s + i) - o;
-        f[k] = sph__load(before, k * s + i) - o;
-        g[k] = sph__load(after, k * s + i) - o;
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        const size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-        n[k] = e[k1] * f[k2] - e[k2] * f[k1];
-        m[k] = e[k1] * g[k2] - e[k2] * g[k1];
-    }
-    dot = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
-    squared = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
-    /* sqrt(A A') n.n' = (N.N') / (2 sqrt(|N| |N'|)) with N twice the area times the normal */
-    root = sph__root(squared);
-    root = sph__root(root);
-    *sum += sph__select(sph__greater(squared, zero), dot / root, squared - squared);
-}
-
-SPH__CLONES static double inversion_clones(const float *p, const float *q, const float *before, const float *after,
-                                           size_t s)
-{
-    sph__v8d sum = {0};
-    for (size_t i = 0; i < s; i += SPH__LANES) add_inversion(p, q, before, after, s, i, &sum);
-    return 0.5 * sph__sum(sum);
-}
-
-SPH__CLONES static bool any_inversion_clones(float (*corners)[3][SPH__LANES])
-{
-    sph__v8d sum = {0};
-    int any = 0;
-    add_inversion(corners[0][0], corners[1][0], corners[2][0], corners[3][0], SPH__LANES, 0, &sum);
-    for (size_t l = 0; l < SPH__LANES; ++l) any |= sum[l] < 0;
-    return any != 0;
-}
-
-bool sph__kernel_any_inversion(float corners[4][3][SPH__LANES])
-{
-    return any_inversion_clones(corners);
-}
-
-double sph__kernel_inversion(const float *p, const float *q, const float *before, const float *after, size_t stride)
-{
-    return inversion_clones(p, q, before, after, stride);
-}
-
-SPH__INLINE void add_volume(const float *o, const float *p, const float *q, const float *r, size_t s, size_t i,
-                            sph__v8d *volume, sph__v8d *area)
-{
-    sph__v8d d[3], e[3], f[3], n[3], squared;
-    for (size_t k = 0; k < 3; ++k) {
-        const sph__v8d at = sph__load(p, k * s + i);
-        d[k] = at - sph__load(o, k * s + i);
-        e[k] = sph__load(q, k * s + i) - at;
-        f[k] = sph__load(r, k * s + i) - at;
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        const size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-        n[k] = e[k1] * f[k2] - e[k2] * f[k1];
-    }
-    squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    *area += sph__root(squared);
-    *volume += n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
-}
-
-SPH__CLONES static void volume_clones(const float *o, const float *p, const float *q, const float *r, size_t s,
-                                      double sums[2])
-{
-    sph__v8d volume = {0}, area = {0};
-    for (size_t i = 0; i < s; i += SPH__LANES) add_volume(o, p, q, r, s, i, &volume, &area);
-    sums[0] = sph__sum(volume) / 6;
-    sums[1] = sph__sum(area) / 2;
-}
-
-SPH__CLONES static void volumes_clones(float (*corners)[3][SPH__LANES], double (*sums)[2])
-{
-    sph__v8d volume = {0}, area = {0};
-    add_volume(corners[0][0], corners[1][0], corners[2][0], corners[3][0], SPH__LANES, 0, &volume, &area);
-    for (size_t l = 0; l < SPH__LANES; ++l) {
-        sums[l][0] = volume[l] / 6;
-        sums[l][1] = area[l] / 2;
-    }
-}
-
-void sph__kernel_volumes(float corners[4][3][SPH__LANES], double sums[SPH__LANES][2])
-{
-    volumes_clones(corners, sums);
-}
-
-void sph__kernel_volume(const float *o, const float *p, const float *q, const float *r, size_t stride, double sums[2])
-{
-    volume_clones(o, p, q, r, stride, sums);
 }
 
 void sph__kernel_unite_means(const float *u, const float *v, size_t stride, float *out)
