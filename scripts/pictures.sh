@@ -66,3 +66,11 @@ worst=$("$program" skin "${creature[@]}" --spheres 22 -o rig.glb --json --quiet 
 render "${creature[@]}" --bones rig.glb --size 300x240 --frames 7:32:12 -o "$docs/bones.png"
 render "${creature[@]}" --size 300x240 --frames "$worst" -o "$docs/rig-input.png"
 render rig.glb --size 300x240 --frames "$worst" -o "$docs/rig.png"
+
+# the rig and three of its levels, each in three poses
+"$program" simplify rig.glb --ratio 10,3,1 -o lod.glb --quiet
+for level in 0 1 2 3; do
+    name=lod-$level.glb
+    [ "$level" -gt 0 ] || name=rig.glb
+    render "$name" --size 230x180 --frames 0:36:12 --flat -o "$docs/simplify-$level.png"
+done

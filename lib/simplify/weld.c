@@ -35,7 +35,7 @@ static bool moves_like(const sph__simplifier *b, size_t v, size_t other)
 static bool has_values_of(const sph__simplifier *b, size_t v, size_t other)
 {
     const size_t size = b->p->value_count;
-    return memcmp(b->p->values + v * size, b->p->values + other * size, size * sizeof(float)) == 0;
+    return size == 0 || memcmp(b->p->values + v * size, b->p->values + other * size, size * sizeof(float)) == 0;
 }
 
 /* The vertices of one place, in order: each finds the first that moves like it, and of those the first of its values.
