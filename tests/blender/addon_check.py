@@ -185,6 +185,22 @@ def a_rig_plays_as_the_animation():
     return f"{100 * rmse / size:.3f} % of the diagonal off the animation, {same / size:.1e} off the library's own skinning"
 
 
+def volume(points, triangles):
+    a, b, c = (points[np.array(triangles)[:, k]].astype(float) for k in range(3))
+    return float((np.cross(a, b) * c).sum() / 6)
+
+
+@check
+def an_object_that_is_mirrored_is_not_turned_inside_out():
+    tube = worm()
+    tube.scale.x = -1
+    mesh, = (o for o in make(tube, spheres=5, result="RIG").objects if o.type == "MESH")
+    solid, = make(tube, spheres=5, links="SOLID").objects
+    for thing in (mesh, solid):
+        thing.data.calc_loop_triangles()
+        assert volume(evaluated(thing, 1), [tuple(t.vertices) for t in thing.data.loop_triangles]) > 0.3
+
+
 @check
 def colliders_contain_the_mesh_where_that_is_wanted():
     tube = worm()

@@ -13,14 +13,15 @@ class Capture:
     Attributes:
         frames: the numbers of the frames.
         positions: float32 (F, n, 3), as far as captured.
-        triangles: (m, 3); edges: (e, 2), those of no face.
+        triangles: (m, 3), counter-clockwise from outside; edges: (e, 2), those of no face.
+        mirrored: the object's scale turns its faces inside out.
     """
 
     def __init__(self, thing, frames):
         if not frames:
             raise CaptureError("The range has no frames")
         self.thing, self.frames = thing, list(frames)
-        self.positions = self.triangles = self.edges = self.topology = None
+        self.positions = self.triangles = self.edges = self.topology = self.mirrored = None
 
     def add(self, context, index):
         """Plays frame number `index` and takes the mesh."""
@@ -46,6 +47,9 @@ class Capture:
             self.positions = np.empty((len(self.frames), count, 3), np.float32)
             mesh.calc_loop_triangles()
             self.triangles = _read(mesh.loop_triangles, "vertices", np.int32, 3)
+            self.mirrored = np.linalg.det(matrix[:3, :3]) < 0
+            if self.mirrored:
+                self.triangles = np.ascontiguousarray(self.triangles[:, ::-1])
             edges = _read(mesh.edges, "vertices", np.int32, 2)
             self.edges = edges[_read(mesh.edges, "is_loose", bool)]
         else:

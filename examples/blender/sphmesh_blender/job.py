@@ -108,8 +108,7 @@ def make(context, collection, thing, settings, capture, level, skin, skeleton):
     """The objects."""
     frames, name = np.array(capture.frames, float), thing.name
     if settings.result == "RIG":
-        low, high = capture.positions[0].min(axis=0), capture.positions[0].max(axis=0)
-        rig.make_rig(context, collection, thing, skin, skeleton, frames, float(np.linalg.norm(high - low)), name)
+        rig.make_rig(context, collection, capture, skin, skeleton, name)
     elif settings.result == "COLLIDERS":
         results.make_colliders(context, collection, level, frames, name, settings.physics)
     elif settings.links == "SOLID":

@@ -82,13 +82,15 @@ def add_poses(thing, names, rest, skin, skeleton, frames):
         add_curves(action, path + "rotation_quaternion", frames, quaternions(local[:, :3, :3]), name)
 
 
-def make_mesh(context, collection, original, skin, armature, names, frame, name):
+def make_mesh(context, collection, capture, skin, armature, names, name):
     """The object's own mesh, faces, materials and all, in the rest pose, with weights."""
-    context.scene.frame_set(int(frame), subframe=frame - int(frame))
+    context.scene.frame_set(capture.frames[0])
     graph = context.evaluated_depsgraph_get()
-    mesh = bpy.data.meshes.new_from_object(original.evaluated_get(graph), depsgraph=graph)
+    mesh = bpy.data.meshes.new_from_object(capture.thing.evaluated_get(graph), depsgraph=graph)
     mesh.name = name
     mesh.vertices.foreach_set("co", np.ascontiguousarray(skin.rest).ravel())
+    if capture.mirrored:
+        mesh.flip_normals()
     mesh.update()
     thing = bpy.data.objects.new(name, mesh)
     collection.objects.link(thing)
@@ -103,9 +105,10 @@ def make_mesh(context, collection, original, skin, armature, names, frame, name)
     return thing
 
 
-def make_rig(context, collection, original, skin, skeleton, frames, size, name):
+def make_rig(context, collection, capture, skin, skeleton, name):
     """Armature and mesh."""
+    size = float(np.linalg.norm(np.ptp(capture.positions[0], axis=0)))
     armature, names, rest = make_armature(context, collection, skin, skeleton, size, f"{name} rig")
-    add_poses(armature, names, rest, skin, skeleton, frames)
+    add_poses(armature, names, rest, skin, skeleton, np.array(capture.frames, float))
     armature.show_in_front = True
-    return armature, make_mesh(context, collection, original, skin, armature, names, float(frames[0]), f"{name} skinned")
+    return armature, make_mesh(context, collection, capture, skin, armature, names, f"{name} skinned")
