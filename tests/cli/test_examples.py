@@ -154,6 +154,53 @@ class RigExport(Case):
         self.assertLess(max(out), 0.002 * diagonal)  # what the grid leaves out
 
 
+def glb(name):
+    """The JSON of a GLB, and of each vertex of its mesh the position at rest, the joints and their weights."""
+    with open(os.path.join(FOLDER, name), "rb") as file:
+        data = file.read()
+    size, = struct.unpack_from("<I", data, 12)
+    scene = json.loads(data[20:20 + size])
+
+    def rows(attribute, width, kind):
+        accessor = scene["accessors"][scene["meshes"][0]["primitives"][0]["attributes"][attribute]]
+        view = scene["bufferViews"][accessor["bufferView"]]
+        start = 28 + size + view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        values = struct.unpack_from(f"<{width * accessor['count']}{kind}", data, start)
+        return [values[i:i + width] for i in range(0, len(values), width)]
+    return scene, list(zip(rows("POSITION", 3, "f"), rows("JOINTS_0", 4, "B"), rows("WEIGHTS_0", 4, "f")))
+
+
+class BendRig(Case):
+    def test_vertices_turn_as_far_as_dual_quaternions_say_but_for_what_is_corrected(self):
+        scene, vertices = glb("creature-rig.glb")
+        joints = scene["skins"][0]["joints"]
+        bone = next(j for j, node in enumerate(joints) if "children" not in scene["nodes"][node])
+        pivot, node = [0, 0, 0], joints[bone]
+        while node is not None:  # joints are not turned at rest
+            pivot = [a + b for a, b in zip(pivot, scene["nodes"][node].get("translation", [0, 0, 0]))]
+            node = next((i for i, n in enumerate(scene["nodes"]) if node in n.get("children", [])), None)
+        done = example("bend_rig", "creature-rig.glb", str(bone), "60", "bent.obj")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        farthest, before, after = map(float, re.search(
+            r"by up to ([\d.]+); (\d+) pairs of triangles intersected, (\d+) do", done.stdout).groups())
+        self.assertLessEqual(after, before)
+        with open(os.path.join(FOLDER, "bent.obj"), encoding="utf-8") as file:
+            bent = [tuple(map(float, line.split()[1:])) for line in file if line.startswith("v ")]
+        self.assertEqual(len(bent), len(vertices))
+        turned = as_blended = 0
+        for (rest, bones, weights), there in zip(vertices, bent):
+            # blended with standing still, a turn is one about the same axis by another angle
+            weight = sum(w for j, w in zip(bones, weights) if j == bone)
+            half = math.atan2(weight * math.sin(math.pi / 6), 1 - weight + weight * math.cos(math.pi / 6))
+            way = 2 * math.sin(half) * math.hypot(rest[0] - pivot[0], rest[1] - pivot[1])
+            off = abs(math.dist(rest, there) - way)
+            self.assertLess(off, farthest + 1e-3)
+            turned += way > 0.05
+            as_blended += way > 0.001 and off < 1e-5
+        self.assertGreater(turned, 30)
+        self.assertGreaterEqual(as_blended, 3)
+
+
 def samples_of(centers, radii):
     part = [c + [r] for c, r in zip(centers, radii)]
     return part if len(part) == 1 else samples(part, 16)
@@ -168,10 +215,11 @@ class Sizes(Case):
                     self.assertLess(len(file.readlines()), 100, name)
 
     def test_what_is_wrong_is_said(self):
-        for name in ("host", "lod_browser", "game_loop", "rig_export"):
+        for name in ("host", "lod_browser", "game_loop", "rig_export", "bend_rig"):
             self.assertEqual(example(name).returncode, 2, name)
         for arguments in (("host", "no.obj", "no.pc2", "x"), ("lod_browser", "no.sphm"), ("game_loop", "no.json"),
-                          ("rig_export", "no.obj", "no.pc2", "x.glb", "x.json")):
+                          ("rig_export", "no.obj", "no.pc2", "x.glb", "x.json"),
+                          ("bend_rig", "no.glb", "0", "1", "x.obj")):
             done = example(*arguments)
             self.assertEqual(done.returncode, 1)
             self.assertIn("no.", done.stderr)
