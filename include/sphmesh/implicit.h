@@ -224,8 +224,9 @@ SPH_API sph_status sph_implicit_read(sph_context *context, const void *bytes, si
 
 /** Flags of trackers. */
 enum {
-    SPH_TRACKER_UNGUARDED = 1, /**< intersections are not looked for: faster, and without the promise */
-    SPH_TRACKER_UNSMOOTHED = 2 /**< contact regions stay as sharp as they come out */
+    SPH_TRACKER_UNGUARDED = 1,  /**< intersections are not looked for: faster, and without the promise */
+    SPH_TRACKER_UNSMOOTHED = 2, /**< contact regions stay as sharp as they come out */
+    SPH_TRACKER_COUNTED = 4     /**< all intersecting pairs are counted, before and after, which takes its time */
 };
 
 /** Options of sph_tracker_create(). Fill with sph_tracker_options_init() first. */
@@ -272,8 +273,8 @@ typedef struct sph_tracker_report {
     uint32_t held_back;    /**< vertices that were moved less, so that no intersection comes of it */
     uint32_t reserved0;    /**< 0 */
     double farthest;       /**< how far a vertex was moved, at most; model units */
-    uint64_t pairs_before; /**< intersecting pairs of triangles, one of them moved, as blending has them; 0 unguarded */
-    uint64_t pairs_after;  /**< and after the correction: never more */
+    uint64_t pairs_before; /**< intersecting pairs of triangles as blending has them, and */
+    uint64_t pairs_after;  /**< after the correction: never more; both 0 without #SPH_TRACKER_COUNTED */
 } sph_tracker_report;
 
 /**

@@ -5,35 +5,18 @@
 #include "implicit/implicit.h"
 #include "numeric/affine.h"
 #include "numeric/vector.h"
-#include "skin/skin.h"
 
 static const double PI = 3.14159265358979323846;
-/* At most how much lengths grow: no singular value is larger than the root of the sum of squares. */
-static double largest_growth(const double m[12])
-{
-    double squares = 0;
-    for (int i = 0; i < 12; ++i)
-        if (i % 4 != 3) squares += m[i] * m[i];
-    return sqrt(squares);
-}
-
 void sph__place_fields(const sph_implicit *implicit, const double *transforms, sph__placed *placed)
 {
     static const double IDENTITY[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     for (size_t b = 0; b < implicit->bone_count; ++b) {
         const sph__field *f = implicit->fields + b;
         const double *m = transforms == NULL ? IDENTITY : transforms + 12 * b;
-        double middle[3], half[3];
         sph__placed *p = placed + b;
         *p = (sph__placed){.live = false};
         if (f->count == 0 || !sph__affine_invert(m, p->inverse)) continue;
-        for (int c = 0; c < 3; ++c) {
-            middle[c] = 0.5 * (f->low[c] + f->high[c]);
-            half[c] = 0.5 * (f->high[c] - f->low[c]);
-        }
-        sph__transform_point(m, middle, p->center);
-        p->reach = sph__norm(half) * largest_growth(m) * (1 + 1e-9);
-        p->live = isfinite(p->reach);
+        p->live = true;
     }
 }
 
@@ -55,16 +38,21 @@ static box bound(size_t count, const sph__points *p)
     return b;
 }
 
-static bool reaches(const sph__placed *p, const box *b)
+/* Whether the box, in the frame of the field at rest, meets that of its support. */
+static bool reaches(const sph__field *f, const sph__placed *p, const box *b)
 {
-    double square = 0;
     if (!p->live) return false;
-    for (int c = 0; c < 3; ++c) {
-        const double below = b->low[c] - p->center[c], above = p->center[c] - b->high[c];
-        const double off = below > 0 ? below : above > 0 ? above : 0;
-        square += off * off;
+    for (int r = 0; r < 3; ++r) {
+        const double *row = p->inverse + 4 * r;
+        double middle = row[3], half = 0;
+        for (int c = 0; c < 3; ++c) {
+            middle += row[c] * 0.5 * (b->low[c] + b->high[c]);
+            half += fabs(row[c]) * 0.5 * (b->high[c] - b->low[c]);
+        }
+        half *= 1 + 1e-9;
+        if (middle + half < f->low[r] || middle - half > f->high[r]) return false;
     }
-    return square <= p->reach * p->reach;
+    return true;
 }
 
 static void evaluate(const sph_implicit *implicit, const sph__placed *placed, uint32_t bone, int32_t evaluation,
@@ -160,14 +148,14 @@ void sph__compose_block(const sph_implicit *implicit, const sph__placed *placed,
     }
     count = (count + 7) / 8 * 8;
     for (uint32_t k = 0; k < implicit->bone_count; ++k) {
-        if (!reaches(placed + k, &b)) continue;
+        if (!reaches(implicit->fields + k, placed + k, &b)) continue;
         evaluate(implicit, placed, k, evaluation, count, points, &first);
         unite(k, count, &first, out, bones);
     }
     for (uint32_t k = 0; k < implicit->joint_count; ++k) {
         const sph_implicit_joint *j = &implicit->joints[k].given;
-        if (j->operation == SPH_OPERATION_UNION || !reaches(placed + j->bones[0], &b) ||
-            !reaches(placed + j->bones[1], &b))
+        if (j->operation == SPH_OPERATION_UNION || !reaches(implicit->fields + j->bones[0], placed + j->bones[0], &b) ||
+            !reaches(implicit->fields + j->bones[1], placed + j->bones[1], &b))
             continue;
         evaluate(implicit, placed, j->bones[0], evaluation, count, points, &first);
         evaluate(implicit, placed, j->bones[1], evaluation, count, points, &second);

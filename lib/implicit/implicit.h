@@ -29,8 +29,7 @@ typedef struct sph__field {
 
 /* A field in a pose. */
 typedef struct sph__placed {
-    double inverse[12];      /* pose to rest */
-    double center[3], reach; /* a ball around its support */
+    double inverse[12]; /* pose to rest */
     bool live;
 } sph__placed;
 

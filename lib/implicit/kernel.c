@@ -29,8 +29,8 @@ enum { BLOCK = SPH__IMPLICIT_BLOCK, CENTER_SIZE = 8 };
 /* One lane: the distance (model units) and its gradient at rest become the field's value and gradient in the pose. */
 #define FINISH(field, inverse, inside, i, d, gx, gy, gz, out)                                                          \
     do {                                                                                                               \
-        const double u_ = (d) / (field)->radius, v_ = u_ > 1 ? 1 : u_ < -1 ? -1 : u_, w_ = 1 - v_ * v_;                \
-        const double slope_ = (inside) ? -0.9375 * w_ * w_ / (field)->radius : 0;                                      \
+        const double u_ = (d)*per_radius, v_ = u_ > 1 ? 1 : u_ < -1 ? -1 : u_, w_ = 1 - v_ * v_;                       \
+        const double slope_ = (inside) ? -0.9375 * w_ * w_ * per_radius : 0;                                           \
         (out)->f[i] = (inside) ? ((-0.1875 * v_ * v_ + 0.625) * v_ * v_ - 0.9375) * v_ + 0.5 : 0;                      \
         (out)->x[i] = slope_ * ((inverse)[0] * (gx) + (inverse)[4] * (gy) + (inverse)[8] * (gz));                      \
         (out)->y[i] = slope_ * ((inverse)[1] * (gx) + (inverse)[5] * (gy) + (inverse)[9] * (gz));                      \
@@ -45,6 +45,7 @@ SPH__CLONES static void exact_clones(const sph__field *field, const double *m, s
                                      sph__values *out)
 {
     const double o0 = field->origin[0], o1 = field->origin[1], o2 = field->origin[2], per = 1 / field->scale;
+    const double per_radius = 1 / field->radius;
     for (size_t i = 0; i < count; i += SPH__LANES) {
         const sph__v8d x = *(const sph__v8d *)(points->x + i), y = *(const sph__v8d *)(points->y + i);
         const sph__v8d z = *(const sph__v8d *)(points->z + i);
@@ -81,6 +82,7 @@ SPH__CLONES static void table_clones(const sph__field *field, const double *m, s
                                      sph__values *out)
 {
     const size_t row = field->table_size, slice = row * row;
+    const double per_radius = 1 / field->radius;
     for (size_t i = 0; i < count; ++i) {
         const double x = points->x[i], y = points->y[i], z = points->z[i];
         const double rx = m[0] * x + m[1] * y + m[2] * z + m[3], ry = m[4] * x + m[5] * y + m[6] * z + m[7];

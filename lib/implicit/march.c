@@ -7,7 +7,7 @@
 #include "numeric/vector.h"
 #include "pose/pose.h"
 
-enum { BLOCK = SPH__IMPLICIT_BLOCK, HALVINGS = 6 };
+enum { BLOCK = SPH__IMPLICIT_BLOCK, HALVINGS = 6, PART_ROUNDS = 3, PART_ROUNDS_FROM_BASE = 16 };
 
 /* A step is no longer than this part of the bone's radius. */
 static const double STEP_LIMIT = 0.2;
@@ -15,8 +15,18 @@ static const double STEP_LIMIT = 0.2;
 static const double OWN_WEIGHT = 0.02;
 /* Nearer than this part of a bone's radius is touching. */
 static const double NEAR_AT_REST = 0.25;
+/* One that moves it by less than this may be in the way of others that move it more. */
+static const double MAIN_WEIGHT = 0.45;
 /* Paths along gradients are longer than straight ones. */
 static const double NEAREST_REACH = 1.2;
+/* By how much a node's own field leads the other at a contact, and how far it may go for it, in radii. */
+static const double PART_LEAD = 0.02, PART_LIMIT = 0.1;
+/* By how much another field leads where a node is on the wrong side of it. */
+static const double FOREIGN_LEAD = 0.05;
+/* Fields that are trusted less settle nothing. */
+static const float LEAST_TRUST = 0.7f;
+/* Where the value is this near, Newton's steps are as good as exact. */
+static const double WHOLE_STEP = 0.02;
 /* Slopes, in field values per radius, below which there is no direction. */
 static const double LEAST_SLOPE = 1e-6;
 
@@ -84,14 +94,22 @@ static void set_high(sph__track *t, size_t i, const finding *f)
     t->high_bone[i] = f->bone;
 }
 
-/* Of both sides of the contact the one that is the node's own; where it hangs on neither, where it came from. */
+/*
+ * Of both sides of the contact the one that is the node's own; where it hangs on both alike, where it came from. From
+ * now on `low_bone` is its own and `high_bone` the other.
+ */
 static void settle(const sph_tracker *tracker, sph__track *t, uint32_t i)
 {
-    const double low = sph__node_weight(tracker, i, t->low_bone[i]);
-    const double high = sph__node_weight(tracker, i, t->high_bone[i]);
-    const bool beyond = high > low;
-    for (int c = 0; c < 3; ++c)
-        t->at[c][i] = beyond ? t->high[c][i] : t->low[c][i];
+    const uint32_t low = t->low_bone[i], high = t->high_bone[i];
+    if (sph__node_weight(tracker, i, high) > sph__node_weight(tracker, i, low)) {
+        for (int c = 0; c < 3; ++c)
+            t->at[c][i] = t->high[c][i];
+        t->low_bone[i] = high;
+        t->high_bone[i] = low;
+    } else {
+        for (int c = 0; c < 3; ++c)
+            t->at[c][i] = t->low[c][i];
+    }
     t->state[i] = SPH__NODE_TOUCHES;
 }
 
@@ -124,19 +142,24 @@ static bool is_near_at_rest(const sph_tracker *tracker, uint32_t node, uint32_t 
  */
 static void look(const sph_tracker *tracker, sph__track *t, uint32_t i, const finding *f)
 {
-    double nearest;
-    const double trust = sph__trust_node(tracker, t, i, &nearest);
-    const bool astray = f->bone != tracker->rest_bone[i] && sph__node_weight(tracker, i, f->bone) < OWN_WEIGHT &&
-                        !is_near_at_rest(tracker, i, f->bone);
+    double nearest, farthest, reach;
+    const double trust = sph__trust_node(tracker, t, i, &nearest, &farthest);
+    const double weight = sph__node_weight(tracker, i, f->bone);
+    const bool foreign = f->bone != tracker->rest_bone[i] && weight < MAIN_WEIGHT;
     t->goal[i] = (float)(f->f + trust * (tracker->iso[i] - f->f));
-    t->reach[i] = (float)(astray ? tracker->limit[i] : fmin(NEAREST_REACH * nearest, tracker->limit[i]));
+    reach = NEAREST_REACH * nearest;
+    if (foreign && weight >= OWN_WEIGHT) reach = NEAREST_REACH * farthest;
+    if (foreign && weight < OWN_WEIGHT && !is_near_at_rest(tracker, i, f->bone)) reach = tracker->limit[i];
+    t->reach[i] = (float)fmin(reach, tracker->limit[i]);
+    t->share[1][i] = (float)trust;
 }
 
 /* A Newton step, bounded; nowhere farther from the base than the node may go. */
 static void step(const sph_tracker *tracker, sph__track *t, uint32_t i, const finding *f)
 {
     const double reach = (double)t->reach[i], most = STEP_LIMIT * tracker->limit[i];
-    double length = tracker->options.step * ((double)t->goal[i] - f->f) / f->slope, off[3], far;
+    const double rest = (double)t->goal[i] - f->f; /* the last step is a whole one */
+    double length = (fabs(rest) < WHOLE_STEP ? 1 : tracker->options.step) * rest / f->slope, off[3], far;
     length = length > most ? most : length < -most ? -most : length;
     for (int c = 0; c < 3; ++c)
         off[c] = t->at[c][i] + length * f->direction[c] - t->base[c][i];
@@ -216,6 +239,107 @@ void sph__march_step(void *argument, size_t begin, size_t end)
     }
 }
 
+/* --- contacts --- */
+
+/* One field at one point. */
+static double evaluate(const sph_tracker *tracker, const sph__track *t, uint32_t bone, const double x[3],
+                       double gradient[3])
+{
+    const sph__field *f = tracker->implicit->fields + bone;
+    sph__points p;
+    sph__values v;
+    gradient[0] = gradient[1] = gradient[2] = 0;
+    if (bone == SPH__NO_PART || !t->placed[bone].live) return 0;
+    for (int i = 0; i < 8; ++i) {
+        p.x[i] = x[0];
+        p.y[i] = x[1];
+        p.z[i] = x[2];
+    }
+    if (tracker->options.evaluation == SPH_EVALUATION_TABLE)
+        sph__field_table(f, t->placed + bone, 1, &p, &v);
+    else
+        sph__field_exact(f, t->placed + bone, 8, &p, &v);
+    gradient[0] = v.x[0];
+    gradient[1] = v.y[0];
+    gradient[2] = v.z[0];
+    return v.f[0];
+}
+
+/*
+ * By how much its own field is to lead: a little, but no more than it does in the rest pose, where parts may overlap.
+ */
+static double wanted_lead(const sph_tracker *tracker, uint32_t i, uint32_t own, uint32_t other)
+{
+    const sph__field *f[2] = {tracker->implicit->fields + own, tracker->implicit->fields + other};
+    double p[3], gradient[3], distances[2];
+    for (int c = 0; c < 3; ++c) {
+        p[c] = (double)tracker->shell.rest[3 * (size_t)i + c];
+        if (p[c] < f[1]->low[c] || p[c] > f[1]->high[c]) return PART_LEAD;
+    }
+    for (int k = 0; k < 2; ++k)
+        sph__field_distance(f[k], p, distances + k, gradient);
+    /* on the surface fields fall by 15/16 per radius */
+    return fmin(PART_LEAD, 0.9375 * (distances[1] / f[1]->radius - distances[0] / f[0]->radius));
+}
+
+/* Onto the node's own side of the surface where both fields are equal, and a little away from it; false: not there. */
+static bool part_from(const sph_tracker *tracker, sph__track *t, uint32_t i, double x[3], double wanted, int rounds)
+{
+    for (int round = 0; round <= rounds; ++round) {
+        double own[3], other[3], slope[3], square, length, lead;
+        lead = evaluate(tracker, t, t->low_bone[i], x, own) - evaluate(tracker, t, t->high_bone[i], x, other);
+        if (lead >= wanted) return true;
+        sph__subtract(own, other, slope);
+        square = sph__dot(slope, slope);
+        if (round == rounds || !(sqrt(square) * tracker->limit[i] > LEAST_SLOPE)) return lead >= fmin(wanted, 0);
+        length = fmin((wanted - lead) / square, PART_LIMIT * tracker->limit[i] / sqrt(square));
+        sph__add_scaled(x, length, slope, x);
+    }
+    return false;
+}
+
+static void part_node(const sph_tracker *tracker, sph__track *t, uint32_t i)
+{
+    double x[3], wanted;
+    if (t->low_bone[i] == SPH__NO_PART || t->high_bone[i] == SPH__NO_PART) return;
+    wanted = wanted_lead(tracker, i, t->low_bone[i], t->high_bone[i]);
+    for (int start = 0; start < 2; ++start) { /* from where it is; else from where blending put it */
+        for (int c = 0; c < 3; ++c)
+            x[c] = start == 0 ? t->at[c][i] : t->base[c][i];
+        if (!part_from(tracker, t, i, x, wanted, start == 0 ? PART_ROUNDS : PART_ROUNDS_FROM_BASE)) continue;
+        for (int c = 0; c < 3; ++c)
+            t->at[c][i] = x[c];
+        return;
+    }
+}
+
+/*
+ * A node that has come to rest on another bone's surface has gone the wrong way around: past the middle of what it was
+ * in. It belongs to the contact.
+ */
+static void claim(const sph_tracker *tracker, sph__track *t, uint32_t i)
+{
+    const uint32_t own = tracker->shell.parts[i], other = t->low_bone[i];
+    double x[3], gradient[3];
+    if ((t->state[i] != SPH__NODE_ARRIVED && t->state[i] != SPH__NODE_WALKS) || t->count[i] != 1 || own == other ||
+        own == SPH__NO_PART || other == SPH__NO_PART || other == tracker->rest_bone[i])
+        return;
+    if (t->share[1][i] < LEAST_TRUST) return;
+    if (sph__node_weight(tracker, i, other) < OWN_WEIGHT) {
+        if (is_near_at_rest(tracker, i, other)) return;
+    } else if (sph__trust_pair(tracker, t, i, own, other) < (double)LEAST_TRUST) {
+        return;
+    }
+    for (int c = 0; c < 3; ++c)
+        x[c] = t->at[c][i];
+    if (evaluate(tracker, t, own, x, gradient) > evaluate(tracker, t, other, x, gradient) - FOREIGN_LEAD) return;
+    t->low_bone[i] = own;
+    t->high_bone[i] = other;
+    t->state[i] = SPH__NODE_TOUCHES;
+    for (int c = 0; c < 3; ++c)
+        t->at[c][i] = t->base[c][i];
+}
+
 /* Those that are still between two points take the one that is their own. */
 void sph__march_end(void *argument, size_t begin, size_t end)
 {
@@ -224,6 +348,20 @@ void sph__march_end(void *argument, size_t begin, size_t end)
         sph__track *t = b->tracker->tracks + item / b->blocks;
         const size_t first = item % b->blocks * BLOCK;
         for (size_t i = first; i < first + BLOCK; ++i)
-            if (t->state[i] == SPH__NODE_HALVES) settle(b->tracker, t, (uint32_t)i);
+            if (t->state[i] == SPH__NODE_HALVES)
+                settle(b->tracker, t, (uint32_t)i);
+            else
+                claim(b->tracker, t, (uint32_t)i);
+    }
+}
+
+void sph__march_part(void *argument, size_t begin, size_t end)
+{
+    const sph__batch *b = argument;
+    for (size_t item = begin; item < end; ++item) {
+        sph__track *t = b->tracker->tracks + item / b->blocks;
+        const size_t first = item % b->blocks * BLOCK;
+        for (size_t i = first; i < first + BLOCK; ++i)
+            if (t->state[i] == SPH__NODE_TOUCHES) part_node(b->tracker, t, (uint32_t)i);
     }
 }

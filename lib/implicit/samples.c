@@ -9,8 +9,6 @@ enum { CANDIDATES_PER_SAMPLE = 16, SAMPLE_LEAST = 4, ENDS_LIMIT = 32 };
 
 /* Samples nearer to each other than this part of the part's size would be one. */
 static const double LEAST_SPACING = 1e-3;
-/* Of a neighbour's triangles those that hang on the bone by more than this. */
-static const double LEAST_WEIGHT = 0.25;
 /* Of the opening's reach: within it, what is beyond the culling plane is left out. */
 static const double CULL_REACH = 1.25;
 
@@ -18,15 +16,12 @@ static const double CULL_REACH = 1.25;
 typedef struct end_cap {
     double center[3], axis[3];      /* unit, outward */
     double distance, reach, length; /* of the nearest node, of the opening, of the bone */
-    uint32_t other;                 /* the bone across */
     bool closes;
 } end_cap;
 
 typedef struct part {
     const sph__setup *setup;
     uint32_t bone;
-    uint32_t *triangles; /* its own, then the neighbours' that are on its side of a joint */
-    size_t triangle_count;
     size_t count, kept;       /* candidates: those that are not culled come first */
     double *points, *normals; /* [count][3] */
     double *nearest;          /* [count] */
@@ -77,13 +72,12 @@ static void find_candidates(part *p)
     const size_t wanted = (size_t)CANDIDATES_PER_SAMPLE * s->options->sample_count;
     double all = 0, before = 0;
     size_t next = 0;
-    p->count = 0;
-    for (size_t i = 0; i < p->triangle_count; ++i)
-        all += triangle_area(&s->shell, p->triangles[i]);
-    for (size_t i = 0; i < p->triangle_count && all > 0; ++i) {
-        before += triangle_area(&s->shell, p->triangles[i]);
+    for (size_t i = s->starts[p->bone]; i < s->starts[p->bone + 1]; ++i)
+        all += triangle_area(&s->shell, s->members[i]);
+    for (size_t i = s->starts[p->bone]; i < s->starts[p->bone + 1] && all > 0; ++i) {
+        before += triangle_area(&s->shell, s->members[i]);
         for (; next < wanted && ((double)next + 0.5) * all <= before * (double)wanted; ++next)
-            if (place_candidate(s, p->triangles[i], next, p->points + 3 * p->count, p->normals + 3 * p->count))
+            if (place_candidate(s, s->members[i], next, p->points + 3 * p->count, p->normals + 3 * p->count))
                 ++p->count;
     }
 }
@@ -174,7 +168,7 @@ static void find_ends(part *p)
         const bool own = s->upper[joints[i]] == p->bone;
         const double *far = !own ? pivot : below_count > 0 ? below : p->center;
         end_cap *e = p->ends + i;
-        *e = (end_cap){.distance = o->distance, .reach = o->reach, .other = j->bones[j->bones[0] == p->bone]};
+        *e = (end_cap){.distance = o->distance, .reach = o->reach};
         memcpy(e->center, o->center, sizeof e->center);
         sph__subtract(o->center, far, e->axis);
         e->length = sph__norm(e->axis);
@@ -210,38 +204,6 @@ static bool is_culled(const part *p, const double x[3])
         if (sph__norm(d) < 0.5 * e->distance) return true;
     }
     return false;
-}
-
-static double weight_of(const sph_skin *skin, size_t vertex, uint32_t bone)
-{
-    const size_t k = skin->influence_count;
-    for (size_t i = vertex * k; i < (vertex + 1) * k; ++i)
-        if (skin->bones[i] == bone && skin->weights[i] > 0) return (double)skin->weights[i];
-    return 0;
-}
-
-/* What neighbours have on this side of the joint, and this bone moves too, is of its shape as well. */
-static void add_neighbors(part *p)
-{
-    const sph__setup *s = p->setup;
-    for (uint32_t i = 0; i < p->end_count; ++i) {
-        const end_cap *e = p->ends + i;
-        for (size_t k = s->starts[e->other]; e->closes && k < s->starts[e->other + 1]; ++k) {
-            const uint32_t *corner = s->shell.triangles + 3 * (size_t)s->members[k];
-            double d[3], weight = 0;
-            for (int c = 0; c < 3; ++c)
-                weight += weight_of(s->skin, s->shell.vertices[corner[c]], p->bone) / 3;
-            for (int c = 0; c < 3; ++c)
-                d[c] = ((double)s->shell.rest[3 * (size_t)corner[0] + c] +
-                        (double)s->shell.rest[3 * (size_t)corner[1] + c] +
-                        (double)s->shell.rest[3 * (size_t)corner[2] + c]) /
-                           3 -
-                       e->center[c];
-            if (weight > LEAST_WEIGHT && sph__norm(d) < CULL_REACH * e->reach &&
-                sph__dot(d, e->axis) < -s->options->joint_gap * e->length)
-                p->triangles[p->triangle_count++] = s->members[k];
-        }
-    }
 }
 
 static void swap_candidates(part *p, size_t i, size_t k)
@@ -344,14 +306,10 @@ static bool fit_part(part *p)
 {
     sph__field *f = p->setup->implicit->fields + p->bone;
     bool out_of_memory = false, fitted;
-    p->triangle_count = p->setup->starts[p->bone + 1] - p->setup->starts[p->bone];
-    memcpy(p->triangles, p->setup->members + p->setup->starts[p->bone], p->triangle_count * sizeof *p->triangles);
     find_candidates(p);
     measure_candidates(p);
     if (p->count < SAMPLE_LEAST || !(p->size > 0) || !isfinite(p->size)) return true;
     find_ends(p);
-    add_neighbors(p);
-    find_candidates(p);
     cull(p);
     choose_samples(p, f);
     if (f->count < SAMPLE_LEAST) {
@@ -380,16 +338,14 @@ void sph__setup_fields(void *argument, size_t begin, size_t end)
         if (p != NULL) {
             p->setup = s;
             p->bone = (uint32_t)b;
-            p->triangles = sph__alloc(context, s->shell.triangle_count, sizeof *p->triangles);
             p->points = sph__alloc(context, most, 3 * sizeof *p->points);
             p->normals = sph__alloc(context, most, 3 * sizeof *p->normals);
             p->nearest = sph__alloc(context, most, sizeof *p->nearest);
         }
-        if (p == NULL || p->triangles == NULL || f->samples == NULL || f->normals == NULL || p->points == NULL ||
-            p->normals == NULL || p->nearest == NULL || !fit_part(p))
+        if (p == NULL || f->samples == NULL || f->normals == NULL || p->points == NULL || p->normals == NULL ||
+            p->nearest == NULL || !fit_part(p))
             __atomic_store_n(&s->out_of_memory, true, __ATOMIC_RELAXED);
         if (p != NULL) {
-            sph__free(context, p->triangles);
             sph__free(context, p->points);
             sph__free(context, p->normals);
             sph__free(context, p->nearest);

@@ -36,7 +36,8 @@ static sph_status read_options(const sph_context *context, const sph_tracker_opt
     *o = DEFAULTS;
     status = sph__options_read(context, "sph_tracker_options", in, o, sizeof *o, OPTIONS_V1);
     if (status != SPH_OK) return status;
-    if ((o->flags & ~(uint32_t)(SPH_TRACKER_UNGUARDED | SPH_TRACKER_UNSMOOTHED)) != 0) what = "flags";
+    if ((o->flags & ~(uint32_t)(SPH_TRACKER_UNGUARDED | SPH_TRACKER_UNSMOOTHED | SPH_TRACKER_COUNTED)) != 0)
+        what = "flags";
     if (o->method != SPH_POSE_LINEAR && o->method != SPH_POSE_DUAL_QUATERNION) what = "method";
     if (o->evaluation != SPH_EVALUATION_TABLE && o->evaluation != SPH_EVALUATION_EXACT) what = "evaluation";
     if (o->iteration_limit < 1 || o->iteration_limit > 1000) what = "iteration_limit";
@@ -206,6 +207,13 @@ static void smooth(sph__batch *b)
     }
 }
 
+/* Of the caller's positions as they are. */
+static sph_status count_pairs(const sph_tracker *t, const sph__track *track, uint64_t *pairs)
+{
+    return sph_mesh_intersections(t->context, t->shell.vertex_count, track->positions, t->triangle_count, t->triangles,
+                                  pairs);
+}
+
 static sph_status correct(sph_tracker *t, size_t count)
 {
     const size_t blocks = t->block_count;
@@ -224,11 +232,18 @@ static sph_status correct(sph_tracker *t, size_t count)
         run(&b, blocks, sph__relax_take);
     }
     run(&b, blocks, sph__march_end);
+    run(&b, blocks, sph__march_part);
     run(&b, 1, sph__write_contacts);
     if ((flags & SPH_TRACKER_UNSMOOTHED) == 0 && t->options.smoothing_rounds > 0) smooth(&b);
+    run(&b, blocks, sph__march_part);
     if ((flags & SPH_TRACKER_UNGUARDED) == 0 && t->shell.triangle_count > 0) status = sph__guard(t, count);
+    for (size_t i = 0; i < count && status == SPH_OK && (flags & SPH_TRACKER_COUNTED) != 0; ++i)
+        status = count_pairs(t, t->tracks + i, &t->tracks[i].report.pairs_before);
     if (status != SPH_OK) return status;
     run(&b, 1, sph__write_positions);
+    for (size_t i = 0; i < count && status == SPH_OK && (flags & SPH_TRACKER_COUNTED) != 0; ++i)
+        status = count_pairs(t, t->tracks + i, &t->tracks[i].report.pairs_after);
+    if (status != SPH_OK) return status;
     if (t->tracks[0].normals != NULL)
         run(&b, ((size_t)t->shell.vertex_count + SPH__WRITE_BLOCK - 1) / SPH__WRITE_BLOCK, sph__write_normals);
     return SPH_OK;

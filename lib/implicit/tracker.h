@@ -28,7 +28,7 @@ typedef struct sph__track {
     double *at[3], *base[3];  /* now, and by blending */
     double *low[3], *high[3]; /* the last step's beginning, and for halving its end; in relaxation: where to go */
     float *direction[3];      /* of the gradient at `low`; unit */
-    float *share[2];          /* mu; then beta, twice */
+    float *share[2];          /* mu, trust; then beta, twice */
     float *goal, *reach;      /* the value that a node walks to, and how far it may go */
     double *trust;            /* [joint_count]: from 1 down to 0 as bones come apart */
     uint32_t *low_bone, *high_bone;
@@ -36,12 +36,13 @@ typedef struct sph__track {
     uint32_t *active;       /* [blocks]: nodes on their way */
     /* --- the guard's --- */
     sph__intersector search;
-    float *places[2]; /* [node_count][3]: before and after */
-    float *kept;      /* [node_count]: how much of the way is kept */
-    uint8_t *marks;   /* [t]: whether a triangle moved */
-    uint64_t *before; /* pairs, sorted */
-    size_t before_count, before_capacity, after_count;
-    bool guarding, out_of_memory;
+    float *places[2];       /* [node_count][3]: before and after */
+    float *kept, *best;     /* [node_count]: how much of the way is kept, and was when there were fewest pairs */
+    uint8_t *marks, *moved; /* [t]: whether a triangle is to be looked at, and whether it has moved at all */
+    sph__pairs now;         /* of triangles that moved */
+    size_t fresh;           /* of these those that were not before */
+    size_t best_count, best_fresh;
+    bool guarding;
 } sph__track;
 
 struct sph_tracker {
@@ -78,8 +79,12 @@ double sph__node_weight(const sph_tracker *tracker, uint32_t node, uint32_t bone
 /* --- trust.c --- */
 /* What a joint is worth in a pose. */
 void sph__trust_joints(const sph_tracker *tracker, sph__track *track);
-/* What the fields are worth to a node in a pose, 0 to 1, and how far the nearest of its bones would have it. */
-double sph__trust_node(const sph_tracker *tracker, const sph__track *track, uint32_t node, double *nearest);
+/* What the fields are worth to a node in a pose, 0 to 1, and how far its bones would have it. */
+double sph__trust_node(const sph_tracker *tracker, const sph__track *track, uint32_t node, double *nearest,
+                       double *farthest);
+
+/* Of two bones at a node. */
+double sph__trust_pair(const sph_tracker *tracker, const sph__track *track, uint32_t node, uint32_t a, uint32_t b);
 
 /* --- tracks.c --- */
 sph_status sph__tracks_allocate(sph_tracker *tracker);
@@ -89,6 +94,8 @@ void sph__tracks_free(sph_tracker *tracker);
 void sph__march_start(void *batch, size_t begin, size_t end);
 void sph__march_step(void *batch, size_t begin, size_t end);
 void sph__march_end(void *batch, size_t begin, size_t end);
+/* Nodes at contacts, to their own sides. */
+void sph__march_part(void *batch, size_t begin, size_t end);
 
 /* --- relax.c --- */
 void sph__relax_find(void *batch, size_t begin, size_t end);

@@ -36,9 +36,13 @@ static sph_status allocate_guard(const sph_tracker *tracker, sph__track *t)
 {
     const sph__shell *s = &tracker->shell;
     t->places[0] = sph__alloc(tracker->context, s->node_count, 6 * sizeof *t->places[0]);
-    t->kept = sph__alloc(tracker->context, s->node_count, sizeof *t->kept);
-    t->marks = sph__zalloc(tracker->context, s->triangle_count, 1);
+    t->kept = sph__alloc(tracker->context, s->node_count, 2 * sizeof *t->kept);
+    t->marks = sph__zalloc(tracker->context, s->triangle_count, 2);
     if (t->places[0] == NULL || t->kept == NULL || t->marks == NULL) return sph__fail_memory(tracker->context);
+    t->moved = t->marks + s->triangle_count;
+    t->best = t->kept + s->node_count;
+    t->moved = t->marks + s->triangle_count;
+    t->best = t->kept + s->node_count;
     t->places[1] = t->places[0] + 3 * (size_t)s->node_count;
     if (s->triangle_count == 0) return SPH_OK;
     const sph_status status =
@@ -77,7 +81,7 @@ void sph__tracks_free(sph_tracker *tracker)
         sph__free(context, t->places[0]);
         sph__free(context, t->kept);
         sph__free(context, t->marks);
-        sph__free(context, t->before);
+        sph__free(context, t->now.items);
         if (t->search.context != NULL) sph__intersector_free(&t->search);
     }
 }

@@ -48,12 +48,44 @@ static uint32_t find_joint(const sph_implicit *implicit, uint32_t a, uint32_t b)
     return SPH__NO_PART;
 }
 
-double sph__trust_node(const sph_tracker *tracker, const sph__track *t, uint32_t node, double *nearest)
+/*
+ * Two bones without a joint: how far apart they are at a point is what is left of its two places when a turn about
+ * anything within a radius is taken off.
+ */
+static double trust_at(const sph__track *t, uint32_t first, uint32_t second, const double p[3], double radius)
+{
+    const uint32_t bones[2] = {first, second};
+    const double *a = t->transforms + 12 * (size_t)first, *b = t->transforms + 12 * (size_t)second;
+    double trace = 0, squares[2] = {0, 0}, cosine, part;
+    for (int i = 0; i < 12; ++i) {
+        if (i % 4 == 3) continue;
+        trace += a[i] * b[i];
+        squares[0] += a[i] * a[i];
+        squares[1] += b[i] * b[i];
+    }
+    cosine = squares[0] > 0 && squares[1] > 0 ? 0.5 * (3 * trace / sqrt(squares[0] * squares[1]) - 1) : 1;
+    part = (gap_at(t, bones, p) - radius * sqrt(fmax(0, 2 - 2 * cosine))) / (GAP_LIMIT * radius);
+    return part > 0 ? 1 / (1 + part * part) : 1;
+}
+
+double sph__trust_pair(const sph_tracker *tracker, const sph__track *track, uint32_t node, uint32_t a, uint32_t b)
+{
+    const uint32_t joint = find_joint(tracker->implicit, a, b);
+    double p[3];
+    if (joint != SPH__NO_PART) return track->trust[joint];
+    for (int c = 0; c < 3; ++c)
+        p[c] = (double)tracker->shell.rest[3 * (size_t)node + c];
+    return trust_at(track, a, b, p, tracker->limit[node]);
+}
+
+double sph__trust_node(const sph_tracker *tracker, const sph__track *t, uint32_t node, double *nearest,
+                       double *farthest)
 {
     const sph_deformer *d = tracker->deformer;
     const size_t k = d->influence_count, v = tracker->shell.vertices[node];
     double all = 1, p[3], q[3], base[3];
     *nearest = INFINITY;
+    *farthest = 0;
     for (int c = 0; c < 3; ++c) {
         p[c] = (double)tracker->shell.rest[3 * (size_t)node + c];
         base[c] = t->base[c][node];
@@ -61,10 +93,11 @@ double sph__trust_node(const sph_tracker *tracker, const sph__track *t, uint32_t
     for (size_t s = v * k; s < (v + 1) * k && d->weights[s] > 0; ++s) {
         sph__transform_point(t->transforms + 12 * (size_t)d->bones[s], p, q);
         *nearest = fmin(*nearest, sph__distance(q, base));
+        *farthest = fmax(*farthest, sph__distance(q, base));
         for (size_t u = v * k; u < s; ++u) {
-            const uint32_t joint = find_joint(tracker->implicit, d->bones[s], d->bones[u]);
+            const double pair = sph__trust_pair(tracker, t, node, d->bones[s], d->bones[u]);
             const double share = 4 * (double)d->weights[s] * (double)d->weights[u];
-            if (joint != SPH__NO_PART) all *= 1 - fmin(share, 1) * (1 - t->trust[joint]);
+            all *= 1 - fmin(share, 1) * (1 - pair);
         }
     }
     return all;

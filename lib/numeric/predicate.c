@@ -53,12 +53,11 @@ static void add_product(const expansion *e, const expansion *f, double sign, exp
         }
 }
 
-static expansion difference(float a, float b)
+static void subtract(float a, float b, expansion *out)
 {
-    expansion e = {.count = 0};
-    add_term(&e, (double)a);
-    add_term(&e, -(double)b);
-    return e;
+    out->count = 0;
+    add_term(out, (double)a);
+    add_term(out, -(double)b);
 }
 
 static int sign_of(const expansion *e)
@@ -75,11 +74,12 @@ static void minor(const expansion *a, const expansion *b, int x, int y, expansio
 
 static int orient3_exactly(const float a[3], const float b[3], const float c[3], const float d[3])
 {
-    expansion u[3], v[3], w[3], part, sum = {.count = 0};
+    expansion u[3], v[3], w[3], part, sum;
+    sum.count = 0;
     for (int k = 0; k < 3; ++k) {
-        u[k] = difference(b[k], a[k]);
-        v[k] = difference(c[k], a[k]);
-        w[k] = difference(d[k], a[k]);
+        subtract(b[k], a[k], u + k);
+        subtract(c[k], a[k], v + k);
+        subtract(d[k], a[k], w + k);
     }
     for (int k = 0; k < 3; ++k) {
         minor(u, v, (k + 1) % 3, (k + 2) % 3, &part);
@@ -92,8 +92,8 @@ static int orient2_exactly(const float a[3], const float b[3], const float c[3],
 {
     expansion u[3], v[3], sum;
     for (int k = 0; k < 3; ++k) {
-        u[k] = difference(b[k], a[k]);
-        v[k] = difference(c[k], a[k]);
+        subtract(b[k], a[k], u + k);
+        subtract(c[k], a[k], v + k);
     }
     minor(u, v, x, y, &sum);
     return sign_of(&sum);
@@ -119,6 +119,7 @@ int sph__orient3(const float a[3], const float b[3], const float c[3], const flo
     }
     if (determinant > ERROR3 * bound) return 1;
     if (determinant < -ERROR3 * bound) return -1;
+    if (!(bound > 0)) return 0;
     return orient3_exactly(a, b, c, d);
 }
 
@@ -129,6 +130,7 @@ int sph__orient2(const float a[3], const float b[3], const float c[3], int x, in
     const double determinant = p - q, bound = ERROR2 * (fabs(p) + fabs(q));
     if (determinant > bound) return 1;
     if (determinant < -bound) return -1;
+    if (!(bound > 0)) return 0;
     return orient2_exactly(a, b, c, x, y);
 }
 
@@ -203,6 +205,12 @@ static bool is_same(const float *a, const float *b)
     return !(a[0] < b[0] || a[0] > b[0] || a[1] < b[1] || a[1] > b[1] || a[2] < b[2] || a[2] > b[2]);
 }
 
+/* Two corners in one place leave no triangle. */
+static bool is_segment(const float *const t[3])
+{
+    return is_same(t[0], t[1]) || is_same(t[1], t[2]) || is_same(t[2], t[0]);
+}
+
 /* Shared corners come first, in the same order, in both; returns how many. */
 static int find_shared(const float *p[3], const float *q[3])
 {
@@ -233,7 +241,7 @@ static bool lie_upon(const float *const p[3], const float *const q[3])
 bool sph__triangles_meet(const float *const p[3], const float *const q[3])
 {
     const float *a[3] = {p[0], p[1], p[2]}, *b[3] = {q[0], q[1], q[2]};
-    const int shared = find_shared(a, b);
+    const int shared = is_segment(p) || is_segment(q) ? 3 : find_shared(a, b);
     int a_sides[3], b_sides[3];
     if (shared == 3) return false;
     if (shared == 2) return lie_upon(a, b);

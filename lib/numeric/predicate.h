@@ -12,7 +12,8 @@ int sph__orient2(const float a[3], const float b[3], const float c[3], int x, in
 
 /*
  * Whether two triangles have a point in common besides corners that they share; corners are shared where all three
- * numbers are equal. Triangles that share all three are said not to. Triangles without area have their edges only.
+ * numbers are equal. Triangles that share all three are said not to, and those with two corners in one place; others without
+ * area have their edges only.
  */
 bool sph__triangles_meet(const float *const p[3], const float *const q[3]);
 
