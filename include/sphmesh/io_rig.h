@@ -102,7 +102,33 @@ SPH_API sph_status sph_io_save_mesh(sph_context *context, uint32_t vertex_count,
                                     const float *normals, size_t triangle_count, const uint32_t *triangles,
                                     const char *path);
 
-/** @brief Saves the implicit skin of a rig as a `.sphm` file. @retval SPH_E_IO the message has the path and the reason. @since 0.1 */
+/** Frames of one mesh, as they are to be saved. */
+typedef struct sph_io_frames {
+    uint32_t struct_size;      /**< sizeof(sph_io_frames) */
+    uint32_t vertex_count;     /**< n >= 1 */
+    uint32_t frame_count;      /**< F >= 1 */
+    uint32_t reserved0;        /**< must be 0 */
+    const float *positions;    /**< shape (F, n, 3) */
+    size_t triangle_count;     /**< >= 1 */
+    const uint32_t *triangles; /**< shape (triangle_count, 3), vertex indices */
+    double frames_per_second;  /**< finite, > 0 */
+    const char *name;          /**< of mesh and animation, UTF-8; NULL: "" */
+} sph_io_frames;
+
+/**
+ * @brief Saves frames as a `.glb` that any viewer of glTF plays: the first frame as a mesh, the others as morph targets
+ * that an animation shows one after another, blended in between.
+ * @param[in] context  takes the message of a failure.
+ * @retval SPH_E_INVALID  NULL, a count or rate out of range, an index out of range, or a position that is not finite.
+ * @retval SPH_E_LIMIT    more than 4096 frames or 4 GB.
+ * @retval SPH_E_IO       the file cannot be written: the message has the path and the reason.
+ * @retval SPH_E_NOMEM    out of memory.
+ * @since 0.1
+ */
+SPH_API sph_status sph_io_save_frames_glb(sph_context *context, const sph_io_frames *frames, const char *path);
+
+/** @brief Saves the implicit skin of a rig as a `.sphm` file. @retval SPH_E_IO the message has the path and the reason.
+ * @since 0.1 */
 SPH_API sph_status sph_io_save_implicit(sph_context *context, const sph_implicit *implicit, const char *path);
 /** @brief Loads an implicit skin from a `.sphm` file; errors as sph_implicit_read() and SPH_E_IO. @since 0.1 */
 SPH_API sph_status sph_io_load_implicit(sph_context *context, const char *path, sph_implicit **out);
