@@ -32,3 +32,14 @@ void cgal_distances(const float *xyz, const uint32_t *triangles, size_t triangle
         distances[i] =
             std::sqrt(tree.squared_distance(Kernel::Point_3(points[3 * i], points[3 * i + 1], points[3 * i + 2])));
 }
+
+static Kernel::Triangle_3 triangle_of(const float *p)
+{
+    return Kernel::Triangle_3(Kernel::Point_3(p[0], p[1], p[2]), Kernel::Point_3(p[3], p[4], p[5]),
+                              Kernel::Point_3(p[6], p[7], p[8]));
+}
+
+int cgal_triangles_meet(const float *p, const float *q)
+{
+    return CGAL::do_intersect(triangle_of(p), triangle_of(q));
+}

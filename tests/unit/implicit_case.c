@@ -77,6 +77,7 @@ sph_implicit *tube_implicit(const sph_skin *skin, const tube *t, int32_t operati
     sph_implicit_options_init(&o, sizeof o);
     o.parents = t->parents;
     o.operation = operation;
+    o.operator_table_size = 48; /* as good here, and sooner there */
     (void)sph_implicit_create(skin, &o, &implicit);
     return implicit;
 }
