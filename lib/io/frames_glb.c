@@ -50,7 +50,7 @@ static void describe(frames *s, const char *name)
     sph__io_text more = {.context = json->context};
     view = sph__io_gltf_add_view(&s->w, 12 * (uint64_t)f->triangle_count, SPH__GLTF_INDICES);
     (void)sph__io_gltf_add_accessor(&s->w, view, 0, SPH__GLTF_U32, "SCALAR", 3 * f->triangle_count, "");
-    sph__io_text_add(json, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"libsphmesh\"},\"scene\":0,\"scenes\":"
+    sph__io_text_add(json, ",\"scene\":0,\"scenes\":"
                            "[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"name\":");
     sph__io_text_string(json, name);
     sph__io_text_add(json, ",\"primitives\":[{\"attributes\":{\"POSITION\":%u},\"indices\":%u", first, first + 1);

@@ -171,9 +171,30 @@ class Pose(Case):
             self.assertAlmostEqual(math.hypot(*n), 1, delta=1e-6)
             self.assertGreater((n[1] * v[1] + n[2] * v[2]) / 0.5, 0.98)
 
+    def test_implicit_skinning_has_no_more_intersections_and_leaves_the_plain_results_beside(self):
+        told = {}
+        for ending in ("pc2", "glb"):
+            told = self.json("pose", "tube.glb", "--clip", "bend", "--implicit", "--beside", "--pairs", "--save-fields",
+                             "fields.sphm", "-o", "soft." + ending, cwd=FOLDER)
+            frames = told["implicit"]["frames"]
+            self.assertEqual((told["implicit"]["fields"], told["implicit"]["joints"]), (2, 1))
+            self.assertEqual(len(frames), told["frames"])
+            self.assertTrue(all(f["pairs_after"] <= f["pairs_before"] for f in frames))
+            self.assertEqual(frames[0]["moved"], 0)
+            self.assertGreater(frames[-1]["moved"], 0)
+        self.succeeds("pose", "tube.glb", "--clip", "bend", "--implicit", "--fields", "fields.sphm", "-o", "again.pc2",
+                      cwd=FOLDER)
+        self.assertEqual(content("again.pc2"), content("soft.pc2"))
+        self.succeeds("pose", "tube.glb", "--clip", "bend", "-o", "plain.pc2", cwd=FOLDER)
+        self.assertEqual(content("plain.pc2"), content("soft-lbs.pc2"))
+        # the morph targets, played by the reader of glTF, are the frames of the cache
+        self.succeeds("convert", "soft.glb", "-o", "played.pc2", cwd=FOLDER)
+        for a, b in zip(pc2("played.pc2"), pc2("soft.pc2")):
+            self.close(a, b, 1e-5)
+
     def test_what_is_wrong_is_said(self):
         self.refuses(2, "-o is missing", "pose", "tube.glb", cwd=FOLDER)
-        self.refuses(2, ".pc2, .mdd, .obj or .ply", "pose", "tube.glb", "-o", "x.stl", cwd=FOLDER)
+        self.refuses(2, ".pc2, .mdd, .glb, .obj or .ply", "pose", "tube.glb", "-o", "x.stl", cwd=FOLDER)
         self.refuses(2, "one rig", "pose", "-o", "x.pc2", cwd=FOLDER)
         self.refuses(2, ".glb or .gltf", "pose", "tube.obj", "-o", "x.pc2", cwd=FOLDER)
         self.refuses(2, "--frames", "pose", "tube.glb", "--frames", "1:2", "-o", "x.obj", cwd=FOLDER)
