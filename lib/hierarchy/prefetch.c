@@ -16,10 +16,11 @@ static void ask_for(const void *place)
 
 static void ask_for_slot(const sph__builder *b, const sph__slot *slot)
 {
-    enum { LINES = 6 };
+    enum { MOST = 20 * 64 };
+    const size_t size = (slot->node < b->n ? b->leaf_rows : SPH__BLOCK_ROWS) * b->stride * sizeof(float);
     sph__prefetch_widths(b, slot);
     if (b->single || slot->block == NULL) return;
-    for (size_t line = 0; line < LINES; ++line) ask_for((const char *)slot->block + 64 * line);
+    for (size_t at = 0; at < size && at < MOST; at += 64) ask_for((const char *)slot->block + at);
 }
 
 /* What is at a node's number. */
@@ -106,8 +107,8 @@ void sph__prefetch_around(const sph__builder *b, uint32_t node)
         const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
         const char *center = (const char *)sph__node_center(b, x);
         ask_for(sph__slot_of(b, x));
-        ask_for(center);
-        ask_for(b->single ? (const char *)sph__single_rows(b, b->slot_of[x]) : center + 64);
+        if (b->single) ask_for(sph__single_rows(b, b->slot_of[x]));
+        for (size_t at = 0; at < b->node_floats * sizeof(float) && at < 6 * 64; at += 64) ask_for(center + at);
     }
     for (uint32_t i = 0; i < count; ++i) ask_for_slot(b, sph__slot_of(b, sph__edge_other(&b->mesh, edges[i], node)));
 }
