@@ -3,10 +3,11 @@
  * Queries per second on one core.
  *
  *   bench_query [LEVEL.sphm|LEVEL.json] [--mesh INPUT [--cache CACHE]] [--spheres K] [--frame F] [--batch N]
- *               [--tree|--exhaustive] [--json] [--tiny]
+ *               [--tree|--exhaustive] [--only NAME] [--json] [--tiny]
  *
  * Without a level, one of K spheres (default 40) is built from INPUT, or from a built-in animated torus. The mesh is
- * what other libraries are asked about. Casts are asked N at a time (default and most: 1000).
+ * what other libraries are asked about. Casts are asked N at a time (default and most: 1000). --only measures what has
+ * NAME in its name: rays, say.
  */
 #define _XOPEN_SOURCE 700
 
@@ -25,7 +26,7 @@ enum { QUERIES = 20000, PART = 1000, RINGS = 60, SIDES = 24, FRAMES = 24 };
 static sph_context *context;
 static bool json;
 static int parts = QUERIES / PART; /* of the queries that are asked; one with --tiny */
-static const char *separator = "";
+static const char *separator = "", *only = "";
 
 static void die(const char *what)
 {
@@ -201,6 +202,7 @@ static void measure(const char *name, run_fn *run, void *user, const sph_sweep *
     double best[QUERIES / PART], sum = 0;
     const double end = now() + (parts == 1 ? 0 : 0.6);
     size_t count;
+    if (strstr(name, only) == NULL) return;
     for (int part = 0; part < parts; ++part)
         best[part] = INFINITY;
     do {
@@ -219,6 +221,7 @@ static void measure(const char *name, run_fn *run, void *user, const sph_sweep *
 static void measure_pose(sph_query *query, uint32_t frames)
 {
     double best = INFINITY;
+    if (strstr("pose", only) == NULL) return;
     for (int round = 0; round < 20; ++round) {
         const double start = now();
         for (int i = 0; i < 100; ++i)
@@ -328,6 +331,8 @@ int main(int argc, char **argv)
             json = true;
         else if (strcmp(argv[i], "--tiny") == 0)
             parts = 1;
+        else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc)
+            only = argv[++i];
         else if (strcmp(argv[i], "--tree") == 0)
             search = SPH_SEARCH_TREE;
         else if (strcmp(argv[i], "--exhaustive") == 0)
