@@ -128,7 +128,7 @@ typedef struct sph_hit {
  * @retval SPH_E_INVALID  NULL with a count above 0, or a sweep that is not finite or has a radius below 0 (the message
  *                        names it).
  * @par Determinism  Same bits for any way of searching, any size of batch and any processor.
- * @par Cost  With tens of simplices below a microsecond each, less in batches of 8 or more. No allocation; 110 kB of stack.
+ * @par Cost  With tens of simplices below a microsecond each, less in batches of 8 or more. No allocation; below 32 kB of stack.
  * @since 0.1
  */
 SPH_API sph_status sph_query_cast(const sph_query *query, const sph_sweep *sweeps, size_t count, sph_hit *hits);

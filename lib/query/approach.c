@@ -7,10 +7,11 @@
 #include <string.h>
 
 #include "hierarchy/lanes.h"
+#include "query/fan.h"
 #include "query/step.h"
 
 typedef double v4d __attribute__((vector_size(32), may_alias));
-typedef int64_t v4i __attribute__((vector_size(32)));
+typedef int64_t v4i __attribute__((vector_size(32), may_alias));
 typedef float v4f __attribute__((vector_size(16), may_alias));
 typedef int32_t v4fi __attribute__((vector_size(16)));
 
@@ -52,47 +53,50 @@ SPH__INLINE int enter(const sph__query_fan *f, const sph__query_ray *ray, float 
     return in <= out;
 }
 
-SPH__CLONES static uint32_t enter_clones(const sph__query_fan *fans, const sph__query_ray *rays, sph__query_pair *pairs,
-                                         uint32_t count, float limit)
+SPH__CLONES static uint32_t enter_clones(const sph__query_fan *fans, const sph__query_ray *ray, const float *entry,
+                                         uint32_t *slots, uint32_t count, float limit)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        const uint16_t move = pairs[i].move;
-        const uint32_t slot = pairs[i].slot;
-        const double t = pairs[i].t;
-        const int meets = enter(&fans[slot], &rays[move], (float)t, limit);
-        pairs[kept].t = t;
-        pairs[kept].move = move;
-        pairs[kept].slot = slot;
+        const uint32_t slot = slots[i];
+        const int meets = enter(&fans[slot], ray, entry[i], limit);
+        slots[kept] = slot;
         kept += (uint32_t)meets;
     }
     return kept;
 }
 
-uint32_t sph__query_fan_enter(const sph__query_fan *fans, const sph__query_ray *rays, sph__query_pair *pairs,
-                              uint32_t count, double limit)
+uint32_t sph__query_fan_enter(const sph__query_fan *fans, const sph__query_ray *ray, const float *entry,
+                              uint32_t *slots, uint32_t count, double limit)
 {
-    return enter_clones(fans, rays, pairs, count, (float)(limit + 1e-6)); /* more than it loses here */
+    return enter_clones(fans, ray, entry, slots, count, (float)(limit + 1e-6)); /* more than it loses here */
 }
 
 /*
- * The distance from x, and its slope along `way`: of the face where the weights are within the triangle, else of the
- * nearest of the edges.
+ * Of the edges and, in the last lane, the face: the distance from x, and the way's part along the direction from the
+ * nearest sphere's centre, times the distance from there; a face has that direction alone. `lane` is the nearest.
  */
-SPH__INLINE double evaluate(const sph__query_fan *f, const double x[3], const double way[3], double *slope)
+typedef struct foot {
+    v4d distance, length, course, u; /* u: along the edges */
+    v4d soft;                        /* the distance from there; below 0: a face */
+    v4d face, climb;                 /* the weights of corners 1 and 2, and how they change along the way */
+    int lane;
+} foot;
+
+SPH__INLINE void evaluate(const sph__query_fan *f, const double x[3], const double way[3], foot *out)
 {
     const v4d zero = {0}, one = zero + 1.0;
+    const v4i last = {0, 0, 0, -1}, sign = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
     const v4d d0 = x[0] - LOAD4(f->from[0]), d1 = x[1] - LOAD4(f->from[1]), d2 = x[2] - LOAD4(f->from[2]);
     const v4d s0 = LOAD4(f->span[0]), s1 = LOAD4(f->span[1]), s2 = LOAD4(f->span[2]);
     const v4d n0 = LOAD4(f->face[0]), n1 = LOAD4(f->face[1]), n2 = LOAD4(f->face[2]), high = LOAD4(f->face_height);
     const v4d along = d0 * LOAD4(f->share[0]) + d1 * LOAD4(f->share[1]) + d2 * LOAD4(f->share[2]);
     const v4d w0 = d0 - along * s0, w1 = d1 - along * s1, w2 = d2 - along * s2;
     const v4d place = n0 * d0[0] + n1 * d1[0] + n2 * d2[0], course = n0 * way[0] + n1 * way[1] + n2 * way[2];
-    const v4d face = place + high * fabs(place[0]) + LOAD4(f->face_constant);
-    const double climb = course[3] + copysign(high[3], place[0]) * course[0];
-    const int is_face = (face[1] >= 0) & (face[2] >= 0) & (face[1] + face[2] <= 1);
-    v4d u, y0, y1, y2, across = w0 * w0 + w1 * w1 + w2 * w2, length, distance, rate;
-    int least, third;
+    const v4d above = zero + place[0], aside = (v4d)((v4i)high ^ ((v4i)above & sign)); /* high, as place[0] goes */
+    const v4d face = place + aside * above + LOAD4(f->face_constant), climb = course + aside * course[0];
+    v4d u, y0, y1, y2, across = w0 * w0 + w1 * w1 + w2 * w2, length, distance;
+    int least, third, is_face;
     for (int l = 0; l < SPH__QUERY_FAN; ++l)
         across[l] = sqrt(across[l]);
     u = along - across * LOAD4(f->lean) + LOAD4(f->bias);
@@ -105,46 +109,137 @@ SPH__INLINE double evaluate(const sph__query_fan *f, const double x[3], const do
     for (int l = 0; l < SPH__QUERY_FAN; ++l)
         length[l] = sqrt(length[l]);
     distance = length - (LOAD4(f->radius) + u * LOAD4(f->growth));
-    rate = (y0 * way[0] + y1 * way[1] + y2 * way[2]) / (length + 1e-300); /* 0 at a centre, no less than 1e-160 else */
     least = distance[1] < distance[0];
     third = distance[2] < distance[least];
     least += third * (2 - least);
-    *slope = sph__query_pick(is_face, climb, rate[least]);
-    return sph__query_pick(is_face, face[3], distance[least]);
+    is_face = sph__query_opaque((face[1] >= 0) & (face[2] >= 0) & (face[1] + face[2] <= 1));
+    out->lane = least + is_face * (3 - least);
+    out->distance = SELECT4(last, face, distance);
+    out->length = SELECT4(last, one, length);
+    out->course = SELECT4(last, climb, y0 * way[0] + y1 * way[1] + y2 * way[2]);
+    out->soft = SELECT4(last, -one, length);
+    out->u = u;
+    out->face = face;
+    out->climb = climb;
 }
 
-SPH__INLINE void step(const sph__query_fan *f, const sph__query_move *m, sph__query_pair *p)
+SPH__INLINE void look(const sph__query_fan *f, const sph__query_move *m, sph__query_table *table, uint32_t i)
 {
-    const double at = p->t;
+    const double at = table->t[i];
     const double x[3] = {m->start[0] + at * m->way[0], m->start[1] + at * m->way[1], m->start[2] + at * m->way[2]};
-    double slope;
-    const double distance = evaluate(f, x, m->way, &slope) - m->radius;
-    sph__query_finish(p, distance, m->tolerance, sph__query_pick(slope < 0, at - distance / slope, SPH__QUERY_MISS));
+    foot here;
+    evaluate(f, x, m->way, &here);
+    table->distance[i] = here.distance[here.lane] - m->radius;
+    table->course[i] = here.course[here.lane];
+    table->length[i] = here.length[here.lane];
+    table->soft[i] = here.soft[here.lane];
+    table->weights[0][i] = here.face[1];
+    table->weights[1][i] = here.face[2];
+    table->climbs[0][i] = here.climb[1];
+    table->climbs[1][i] = here.climb[2];
+    table->squared[i] = m->squared;
+    table->tolerance[i] = m->tolerance;
 }
 
-SPH__CLONES static void some_clones(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,
-                                    const uint32_t *which, uint32_t count)
+/*
+ * Where the tangent reaches 0. What is along the segment is no farther from the nearest sphere's centre than the
+ * tangent says and (way * t)^2 / (2 length): where that is nothing, the next place need not be looked at. No more need
+ * it where it is on the same face.
+ */
+SPH__INLINE void go(sph__query_table *table, uint32_t i)
 {
-    for (uint32_t i = 0; i < count; ++i) {
-        sph__query_pair *p = &pairs[which[i]];
-        step(&fans[p->slot], &moves[p->move], p);
-    }
+    const v4d zero = {0}, one = zero + 1.0, miss = zero + (double)SPH__QUERY_MISS;
+    const v4d at = LOAD4(table->t + i), distance = LOAD4(table->distance + i), course = LOAD4(table->course + i);
+    const v4d tolerance = LOAD4(table->tolerance + i), soft = LOAD4(table->soft + i);
+    const v4i nears = course < zero, touches = distance <= tolerance;
+    const v4d onward = -(distance * LOAD4(table->length + i)) / SELECT4(nears, course, -one);
+    const v4d first = LOAD4(table->weights[0] + i) + onward * LOAD4(table->climbs[0] + i);
+    const v4d second = LOAD4(table->weights[1] + i) + onward * LOAD4(table->climbs[1] + i);
+    const v4i is_flat = (soft < zero) & (first >= zero) & (second >= zero) & (first + second <= one);
+    const v4i is_small = onward * onward * LOAD4(table->squared + i) <= tolerance * soft;
+    const v4d ahead = SELECT4(nears, at + onward, miss);
+    const v4i is_sure = (is_flat | is_small) & (ahead <= one) & ~touches;
+    const v4i ends = (ahead > one) & (ahead <= one + 1e-12) & (at < one);
+    const v4d next = SELECT4(ends, one, ahead);
+    const v4d after = SELECT4(next == at, at + (at * 3e-16 + 1e-300), next); /* the next number, or the one after */
+    *(v4d *)(table->t + i) = SELECT4(touches, at, after);
+    *(v4d *)(table->distance + i) = SELECT4(is_sure, zero, distance);
+    *(v4i *)(table->touches + i) = touches | is_sure;
 }
 
-void sph__query_fan_step(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,
-                         const uint32_t *which, uint32_t count)
+SPH__CLONES static void step_clones(const sph__query_fan *fans, const sph__query_move *moves, sph__query_table *table,
+                                    uint32_t count)
 {
-    some_clones(fans, moves, pairs, which, count);
+    for (uint32_t i = 0; i < count; ++i)
+        look(&fans[table->slot[i]], &moves[i], table, i);
+    for (uint32_t i = 0; i < count; i += SPH__QUERY_FAN)
+        go(table, i);
 }
+
+void sph__query_fan_step(const sph__query_fan *fans, const sph__query_move *moves, sph__query_table *table,
+                         uint32_t count)
+{
+    step_clones(fans, moves, table, count);
+}
+
+static const double STILL[3] = {0, 0, 0};
 
 SPH__CLONES static double distance_clones(const sph__query_fan *fan, const double x[3])
 {
-    static const double STILL[3] = {0, 0, 0};
-    double slope;
-    return evaluate(fan, x, STILL, &slope);
+    foot f;
+    evaluate(fan, x, STILL, &f);
+    return f.distance[f.lane];
 }
 
 double sph__query_fan_distance(const sph__query_fan *fan, const double x[3])
 {
     return distance_clones(fan, x);
+}
+
+/*
+ * The weights of the corners at which lanes begin (fan.h), without a branch: of the edges in a lane, its end is the
+ * next corner of a triangle, or the other one of a capsule.
+ */
+SPH__INLINE double weights_of(const sph__query_fan *fan, int is_triangle, const double x[3], double weights[3])
+{
+    static const uint8_t ENDS[2][SPH__QUERY_FAN] = {{1, 0, 1, 1}, {1, 2, 0, 3}};
+    double both[2][SPH__QUERY_FAN] = {{0}};
+    foot f;
+    double u;
+    int is_face;
+    evaluate(fan, x, STILL, &f);
+    u = f.u[f.lane];
+    is_face = f.lane == 3;
+    both[0][f.lane] = 1 - u;
+    both[0][ENDS[is_triangle][f.lane]] += u; /* a sphere's end is itself: it has a u of 0 */
+    both[1][0] = 1 - f.face[1] - f.face[2];
+    both[1][1] = f.face[1];
+    both[1][2] = f.face[2];
+    for (int k = 0; k < 3; ++k)
+        weights[k] = sph__query_pick(both[is_face][k] > 0, both[is_face][k], 0);
+    return f.distance[f.lane];
+}
+
+SPH__CLONES static int closest_clones(const sph__query_fan *fan, int is_triangle, const double x[3], sph__contact *c)
+{
+    double center[3], normal[3], radius, length, w[3], per_length;
+    c->distance = weights_of(fan, is_triangle, x, w);
+    for (int k = 0; k < 3; ++k) {
+        center[k] = w[0] * fan->from[k][0] + w[1] * fan->from[k][1] + w[2] * fan->from[k][2];
+        normal[k] = x[k] - center[k];
+    }
+    radius = w[0] * fan->radius[0] + w[1] * fan->radius[1] + w[2] * fan->radius[2];
+    length = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
+    per_length = 1 / sqrt(length);
+    for (int k = 0; k < 3; ++k) {
+        c->weights[k] = w[k];
+        c->normal[k] = normal[k] * per_length;
+        c->point[k] = center[k] + radius * (normal[k] * per_length);
+    }
+    return length > 1e-8; /* else the direction would be noise */
+}
+
+bool sph__query_fan_closest(const sph__query_fan *fan, int32_t corner_count, const double x[3], sph__contact *c)
+{
+    return closest_clones(fan, corner_count == 3, x, c);
 }

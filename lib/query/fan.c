@@ -25,6 +25,15 @@ static void set_edge(sph__query_fan *fan, int lane, const sph__primitive *p, con
     fan->lean[lane] = e->sine / (e->cosine * e->length);
 }
 
+static sph__primitive_edge reverse(const sph__primitive_edge *e)
+{
+    sph__primitive_edge back = *e;
+    back.from = e->to;
+    back.to = e->from;
+    back.sine = -e->sine;
+    return back;
+}
+
 /* Across a triangle and its three edges; around the axis of anything else. */
 static void choose_slabs(const sph__primitive *p, double normals[SPH__QUERY_FAN][3])
 {
@@ -91,8 +100,13 @@ void sph__query_fan_set(sph__query_fan *fan, const sph__primitive *p)
     memset(fan, 0, sizeof *fan);
     set_slabs(fan, p);
     for (int lane = 0; lane < SPH__QUERY_FAN; ++lane) {
-        if (p->corner_count > 1) {
-            set_edge(fan, lane, p, &p->edge[p->corner_count == 3 ? lane % 3 : 0]);
+        if (p->corner_count == 3) {
+            set_edge(fan, lane, p, &p->edge[lane % 3]);
+            continue;
+        }
+        if (p->corner_count == 2) {
+            const sph__primitive_edge back = reverse(&p->edge[0]);
+            set_edge(fan, lane, p, lane == 1 ? &back : &p->edge[0]);
             continue;
         }
         for (int k = 0; k < 3; ++k)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Primitives once more, for speed: three edges side by side in vectors of four, evaluated without branches. A capsule
- * is the same edge four times, a sphere an edge of no length. The sphere of an edge that is nearest to x is at u =
+ * is the same edge four times, once the other way round, a sphere an edge of no length: the first lanes begin at the
+ * corners. The sphere of an edge that is nearest to x is at u =
  * d.share - across * lean + bias, clamped to [0, 1]: d from its first centre, across the distance from its axis. Where
  * the weights of the face are within the triangle, the face is nearest.
  *
@@ -35,17 +36,23 @@ _Static_assert(offsetof(sph__query_fan, lean) % 32 == 0 && offsetof(sph__query_f
 /* A sphere that moves from start to start + way. */
 typedef struct sph__query_move {
     double start[3], way[3], radius;
+    double squared;   /* length of the way */
     double tolerance; /* a distance that counts as touching */
 } sph__query_move;
 
-/* One of these, and a primitive that it may touch. */
-typedef struct sph__query_pair {
-    double t;        /* it touches no earlier; above 1: never */
-    double distance; /* at t, less the radius; where `touches` */
-    uint32_t slot;
-    uint16_t move;
-    uint8_t touches, steps;
-} sph__query_pair;
+enum { SPH__QUERY_TABLE = 16 }; /* a multiple of 8 */
+
+/* Moves, each with a primitive that it may touch, side by side. */
+typedef struct __attribute__((aligned(64))) sph__query_table {
+    double t[SPH__QUERY_TABLE];        /* it touches no earlier; above 1: never */
+    double distance[SPH__QUERY_TABLE]; /* at t, less the radius; where it touches */
+    int64_t touches[SPH__QUERY_TABLE];
+    /* of the step: what the foot in approach.c says */
+    double course[SPH__QUERY_TABLE], length[SPH__QUERY_TABLE], soft[SPH__QUERY_TABLE];
+    double weights[2][SPH__QUERY_TABLE], climbs[2][SPH__QUERY_TABLE];
+    double squared[SPH__QUERY_TABLE], tolerance[SPH__QUERY_TABLE];
+    uint32_t slot[SPH__QUERY_TABLE];
+} sph__query_table;
 
 void sph__query_fan_set(sph__query_fan *fan, const sph__primitive *primitive);
 
@@ -55,12 +62,16 @@ double sph__query_fan_distance(const sph__query_fan *fan, const double x[3]);
 /* A distance in the slabs' directions: no point of the primitive is nearer to x. */
 float sph__query_fan_bound(const sph__query_fan *fan, const float x[3]);
 
-/* Drops pairs that the slabs show not to touch up to `limit`; returns how many there are left, in the same order. */
-uint32_t sph__query_fan_enter(const sph__query_fan *fans, const sph__query_ray *rays, sph__query_pair *pairs,
-                              uint32_t count, double limit);
+/* Of the primitives in `slots` those whose slabs the segment, which is in their boxes from entry[i] on, meets no later
+ * than `limit`; returns how many there are left, in the same order. May be done in place. */
+uint32_t sph__query_fan_enter(const sph__query_fan *fans, const sph__query_ray *ray, const float *entry,
+                              uint32_t *slots, uint32_t count, double limit);
 
-/* A step of Newton's method for each of pairs[which[i]]. */
-void sph__query_fan_step(const sph__query_fan *fans, const sph__query_move *moves, sph__query_pair *pairs,
-                         const uint32_t *which, uint32_t count);
+/* A step of Newton's method for each of the first `count`, with moves[i]. */
+void sph__query_fan_step(const sph__query_fan *fans, const sph__query_move *moves, sph__query_table *table,
+                         uint32_t count);
+
+/* The place of the primitive that is nearest to x; false where it takes more care than this. */
+bool sph__query_fan_closest(const sph__query_fan *fan, int32_t corner_count, const double x[3], sph__contact *contact);
 
 #endif

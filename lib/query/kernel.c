@@ -22,51 +22,18 @@ static inline float greater(float a, float b)
     return a > b ? a : b;
 }
 
-/* Swollen so that every span has some length; of which nothing follows. */
-#define SWOLLEN 1e6f
-
-const sph__query_ray sph__query_ray_all = {.above = {1e30f, 1e30f, 1e30f},
-                                           .below = {-1e30f, -1e30f, -1e30f},
-                                           .inverse = {1, 1, 1},
-                                           .reach = 1e30f,
-                                           .direction = {1, 0, 0},
-                                           .swell = SWOLLEN};
-const sph__query_ray sph__query_ray_none = {
-    .above = {1e15f, 1e15f, 1e15f}, .below = {1e15f, 1e15f, 1e15f}, .inverse = {1, 1, 1}, .direction = {1, 0, 0}};
-
-void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3], double reach)
-{
-    for (int k = 0; k < 3; ++k) {
-        const float slope = (float)d[k];
-        ray->above[k] = (float)(p[k] + reach);
-        ray->below[k] = (float)(p[k] - reach);
-        ray->inverse[k] = 1 / (slope + copysignf(1e-18f, slope));
-        ray->from[k] = (float)p[k];
-        ray->way[k] = slope;
-    }
-    ray->reach = (float)reach;
-}
-
-void sph__query_ray_aim(sph__query_ray *ray, const double d[3], double radius)
-{
-    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), per_length = 1 / length;
-    const bool is_long = length > 1e-12;
-    for (int k = 0; k < 3; ++k)
-        ray->direction[k] = is_long ? (float)(d[k] * per_length) : k == 0;
-    ray->per_length = is_long ? (float)per_length : 0;
-    ray->margin = 1e-5f * (1 + ray->reach);
-    ray->swell = is_long ? (float)radius + ray->margin : SWOLLEN;
-}
-
 /* `count` boxes, in whole vectors. */
 SPH__CLONES static uint32_t meet_clones(const sph__query_bounds *bounds, size_t begin, size_t count,
                                         const sph__query_ray *ray, uint32_t *restrict met, float *restrict entry)
 {
-    const float *restrict low0 = bounds->low[0] + begin, *restrict high0 = bounds->high[0] + begin;
-    const float *restrict low1 = bounds->low[1] + begin, *restrict high1 = bounds->high[1] + begin;
-    const float *restrict low2 = bounds->low[2] + begin, *restrict high2 = bounds->high[2] + begin;
-    const float above0 = ray->above[0], above1 = ray->above[1], above2 = ray->above[2];
-    const float below0 = ray->below[0], below1 = ray->below[1], below2 = ray->below[2];
+    /* a row is chosen by the way it goes, without a branch */
+    const size_t stride = bounds->stride, k0 = ray->inverse[0] < 0, k1 = ray->inverse[1] < 0, k2 = ray->inverse[2] < 0;
+    const float *rows = bounds->rows + begin, *const ends[2] = {ray->above, ray->below};
+    const float *restrict in0 = rows + k0 * stride, *restrict out0 = rows + (k0 ^ 1) * stride;
+    const float *restrict in1 = rows + (2 + k1) * stride, *restrict out1 = rows + (2 + (k1 ^ 1)) * stride;
+    const float *restrict in2 = rows + (4 + k2) * stride, *restrict out2 = rows + (4 + (k2 ^ 1)) * stride;
+    const float p0 = ends[k0][0], p1 = ends[k1][1], p2 = ends[k2][2];
+    const float q0 = ends[k0 ^ 1][0], q1 = ends[k1 ^ 1][1], q2 = ends[k2 ^ 1][2];
     const float i0 = ray->inverse[0], i1 = ray->inverse[1], i2 = ray->inverse[2];
     float __attribute__((aligned(64))) all[SPH__QUERY_CHUNK];
     uint8_t __attribute__((aligned(64))) meets[SPH__QUERY_CHUNK];
@@ -74,11 +41,10 @@ SPH__CLONES static uint32_t meet_clones(const sph__query_bounds *bounds, size_t 
     for (size_t i = count; i % 64 != 0; i += SPH__QUERY_LANES)
         memset(meets + i, 0, SPH__QUERY_LANES);
     for (size_t i = 0; i < count; ++i) {
-        const float a0 = (low0[i] - above0) * i0, b0 = (high0[i] - below0) * i0;
-        const float a1 = (low1[i] - above1) * i1, b1 = (high1[i] - below1) * i1;
-        const float a2 = (low2[i] - above2) * i2, b2 = (high2[i] - below2) * i2;
-        const float in = greater(greater(lesser(a0, b0), lesser(a1, b1)), greater(lesser(a2, b2), 0));
-        const float out = lesser(lesser(greater(a0, b0), greater(a1, b1)), lesser(greater(a2, b2), 1));
+        const float a0 = (in0[i] - p0) * i0, a1 = (in1[i] - p1) * i1, a2 = (in2[i] - p2) * i2;
+        const float b0 = (out0[i] - q0) * i0, b1 = (out1[i] - q1) * i1, b2 = (out2[i] - q2) * i2;
+        const float in = greater(greater(a0, a1), greater(a2, 0));
+        const float out = lesser(lesser(b0, b1), lesser(b2, 1));
         all[i] = in;
         meets[i] = in <= out;
     }

@@ -13,13 +13,14 @@
 
 enum {
     SPH__QUERY_LANES = 16,
-    SPH__QUERY_CHUNK = 256 /* boxes that are tested at a time; a multiple of 64 */
+    SPH__QUERY_CHUNK = 128 /* boxes that are tested at a time; a multiple of 64 */
 };
 
 /* Rows, padded by a whole vector of boxes that nothing meets. */
 typedef struct sph__query_bounds {
     float *rows; /* all of them */
-    float *low[3], *high[3];
+    size_t stride;
+    float *low[3], *high[3]; /* rows 0, 2, 4 and 1, 3, 5 */
 } sph__query_bounds;
 
 /*
@@ -30,21 +31,10 @@ typedef struct sph__query_ray {
     float inverse[3];         /* 1 / d, never infinite */
     float from[3], way[3];    /* p, d */
     float reach;
-    float direction[3]; /* unit, and what makes a t of a length along it; 0: t says nothing */
-    float per_length;
-    float swell, margin; /* the radius of what moves, and more than all rounding of places */
 } sph__query_ray;
 
 /* What `entry` says where the segment does not meet the box. */
 #define SPH__QUERY_MISS 2.0f
-
-/* A segment that meets all bounds; none. */
-extern const sph__query_ray sph__query_ray_all, sph__query_ray_none;
-
-/* What bounds need. */
-void sph__query_ray_set(sph__query_ray *ray, const double p[3], const double d[3], double reach);
-/* And what parts need; something of this radius. */
-void sph__query_ray_aim(sph__query_ray *ray, const double d[3], double radius);
 
 /*
  * Which of the boxes [begin, end), at most SPH__QUERY_CHUNK, the segment meets: their numbers in ascending order, and

@@ -53,7 +53,7 @@ static void set_prism(sph__query_parts *parts, const sph__primitive *p)
     }
 }
 
-void sph__query_parts_set(sph__query_parts *parts, const sph__primitive *p)
+void sph__query_parts_set(sph__query_parts *parts, const sph__primitive *p, uint32_t shared)
 {
     memset(parts, 0, sizeof *parts);
     parts->corner_count = (uint32_t)p->corner_count;
@@ -62,6 +62,8 @@ void sph__query_parts_set(sph__query_parts *parts, const sph__primitive *p)
         for (int k = 0; k < 3; ++k)
             parts->center[k][lane] = (float)p->center[i][k];
         parts->radius[lane] = (float)p->radius[i];
+        parts->shared_corner[lane] = shared >> i & 1 ? SPH__QUERY_NEVER : 0;
+        parts->shared_edge[lane] = shared >> (3 + i) & 1 ? SPH__QUERY_NEVER : 0;
         if (p->corner_count == 3 || i == 0)
             set_edge(parts, lane, p, i);
         else

@@ -6,13 +6,20 @@
  * taken a little too big, by more than all rounding, so that what comes out is never later than the truth.
  *
  * A corner or an edge that is missing, or is contained, is another one again.
+ *
+ * Neighbours share spheres and edges, and a line that enters one there enters all of them. The one with the lowest
+ * number answers for all: the others begin where the line enters what is theirs alone. That they do so within
+ * themselves does no harm, as the touch is earlier than what is then found. Only where a line begins do all parts of
+ * all primitives count.
  */
 #ifndef SPH_QUERY_PARTS_H
 #define SPH_QUERY_PARTS_H
 
 #include <math.h>
+#include <string.h>
 
 #include "hierarchy/lanes.h"
+#include "query/aim.h"
 #include "query/fan.h"
 
 typedef struct __attribute__((aligned(64))) sph__query_parts {
@@ -23,17 +30,47 @@ typedef struct __attribute__((aligned(64))) sph__query_parts {
      * as the radius grows; normals of the faces; far below 0: there is none */
     float side[3][SPH__QUERY_FAN], beyond[SPH__QUERY_FAN], growth[SPH__QUERY_FAN];
     float face[2][3], room;
+    /* of the spheres and of the edges: 0, or SPH__QUERY_NEVER where a primitive with a lower number has it too */
+    float shared_corner[SPH__QUERY_FAN], shared_edge[SPH__QUERY_FAN];
     uint32_t corner_count; /* 1, 2 or 3; as many edges, but for 2 one, and a prism for 3 */
 } sph__query_parts;
 
-void sph__query_parts_set(sph__query_parts *parts, const sph__primitive *primitive);
+/* Which of the corners, and of the edges from bit 3 on, are shared with a primitive of a lower number, as bits. */
+void sph__query_parts_set(sph__query_parts *parts, const sph__primitive *primitive, uint32_t shared);
 
 /*
- * Drops pairs that never touch, and sets t of the others to no later than when they do; returns how many there are
- * left, in the same order. Before, `t` is where the box is entered.
+ * Of primitives that a segment may touch. A key says how early at best: it touches no earlier than t = key; where key
+ * is 0 or less it may begin within, to a signed distance of no less than key. Above 1: it does not touch. Least is
+ * first. Listed are keys and slots as one number, in the same order, which is compared without a branch.
  */
-uint32_t sph__query_parts_touch(const sph__query_parts *parts, const sph__query_ray *rays, sph__query_pair *pairs,
-                                uint32_t count);
+typedef uint64_t sph__query_listed;
+
+#define SPH__QUERY_UNLISTED UINT64_MAX
+#define SPH__QUERY_LAST_LISTED 0xbf800000ffffffffu /* with a key of 1; what is above is not listed either */
+
+static inline uint64_t sph__query_rank(float key)
+{
+    uint32_t bits;
+    memcpy(&bits, &key, sizeof bits);
+    return bits ^ ((uint32_t)((int32_t)bits >> 31) | 0x80000000u);
+}
+
+static inline sph__query_listed sph__query_list(float key, uint32_t slot)
+{
+    return sph__query_rank(key) << 32 | slot;
+}
+
+static inline float sph__query_key_of(sph__query_listed listed)
+{
+    const uint32_t rank = (uint32_t)(listed >> 32), bits = rank ^ (~(uint32_t)((int32_t)rank >> 31) | 0x80000000u);
+    float key;
+    memcpy(&key, &bits, sizeof key);
+    return key;
+}
+
+/* Of the primitives in `slots` those that the line may touch; returns how many. */
+uint32_t sph__query_parts_touch(const sph__query_parts *parts, const sph__query_fan *fans, const sph__query_line *line,
+                                const uint32_t *slots, uint32_t count, sph__query_listed *listed);
 
 /* An interval of a line, as multiples of its unit direction. */
 typedef struct sph__query_span {
@@ -48,6 +85,12 @@ typedef struct sph__query_foot {
 
 #define SPH__QUERY_NEVER 1e30f
 
+/* How uncertain places along a line are, and what counts as the radius of what moves. */
+SPH__INLINE float sph__query_margin(float reach)
+{
+    return 1e-5f * (1 + reach);
+}
+
 SPH__INLINE float sph__query_least(float a, float b)
 {
     return a < b ? a : b;
@@ -58,7 +101,7 @@ SPH__INLINE float sph__query_most(float a, float b)
     return a > b ? a : b;
 }
 
-/* Of a ray: a place and the unit direction; what counts as the radius of what moves, and how uncertain places are. */
+/* Of a ray: a place and the unit direction. */
 #define SPH__QUERY_LINE_ARGUMENTS float px, float py, float pz, float ex, float ey, float ez
 
 SPH__INLINE sph__query_foot sph__query_foot_of(float cx, float cy, float cz, float radius, float margin,
@@ -133,6 +176,26 @@ SPH__INLINE sph__query_span sph__query_span_whole(sph__query_span s)
 SPH__INLINE sph__query_span sph__query_span_join(sph__query_span a, sph__query_span b)
 {
     return (sph__query_span){sph__query_least(a.enter, b.enter), sph__query_most(a.leave, b.leave)};
+}
+
+/* What is known about the entry into a primitive. */
+typedef struct sph__query_entry {
+    float all, own, leave; /* into any part, into one that is not shared; out of the last one */
+} sph__query_entry;
+
+SPH__INLINE sph__query_entry sph__query_entry_part(sph__query_entry e, sph__query_span part, float shared)
+{
+    return (sph__query_entry){sph__query_least(e.all, part.enter), sph__query_least(e.own, part.enter + shared),
+                              sph__query_most(e.leave, part.leave)};
+}
+
+/* The key, where one that is begun in is no deeper than `bound`. */
+SPH__INLINE float sph__query_key(sph__query_entry e, float per_length, float bound, float reach)
+{
+    const float inner = reach < 1e9f ? sph__query_least(bound, 0) : -INFINITY;
+    const float first = e.all * per_length, own = e.own * per_length, last = e.leave * per_length;
+    const float key = first > 0 ? own : inner;
+    return last < 0 || key > 1 ? SPH__QUERY_MISS : key;
 }
 
 #endif

@@ -24,6 +24,7 @@ static void set_frame(sph_query *q)
     }
     if (most > 0) frexp(most, &exponent);
     q->scale = ldexp(1, -exponent);
+    q->unit = 1 / q->scale;
     for (int k = 0; k < 3; ++k)
         q->half[k] *= q->scale;
 }
@@ -49,7 +50,7 @@ static void set_primitive(sph_query *q, uint32_t slot)
         q->bounds.high[k][slot] = s->boxes[slot].high[k] = (float)high;
     }
     sph__query_fan_set(&q->fans[slot], &s->primitives[slot]);
-    sph__query_parts_set(&q->parts[slot], &s->primitives[slot]);
+    sph__query_parts_set(&q->parts[slot], &s->primitives[slot], q->shared[slot]);
 }
 
 void sph__query_repose(sph_query *q)
@@ -154,15 +155,16 @@ sph_status sph_query_pose_centers(sph_query *q, const float *centers, size_t str
 void sph__query_contact(const sph_query *q, uint32_t slot, const sph__contact *c, sph_contact *out)
 {
     const sph__query_simplex *simplex = &q->simplices[slot];
-    const double unit = 1 / q->scale;
-    *out = (sph_contact){.simplex = simplex->number, .kind = simplex->kind};
+    const double weights[4] = {c->weights[0], c->weights[1], c->weights[2], 0};
     for (int k = 0; k < 3; ++k) {
-        out->point[k] = c->point[k] * unit + q->origin[k];
+        out->point[k] = c->point[k] * q->unit + q->origin[k];
         out->normal[k] = c->normal[k];
+        out->weights[k] = weights[simplex->corner[k]];
         out->spheres[k] = simplex->spheres[k];
-        for (int32_t i = 0; i < q->solid.corner_counts[slot]; ++i)
-            if (q->solid.corners[slot][i] == simplex->spheres[k]) out->weights[k] = c->weights[i];
     }
+    out->simplex = simplex->number;
+    out->kind = simplex->kind;
+    out->reserved0 = 0;
 }
 
 void sph__query_no_contact(sph_contact *out)

@@ -38,6 +38,7 @@ void sph_query_destroy(sph_query *q)
     sph__free(context, q->frame_radii);
     sph__free(context, q->simplices);
     sph__free(context, q->numbers);
+    sph__free(context, q->shared);
     sph__free(context, q->fans);
     sph__free(context, q->parts);
     sph__free(context, q);
@@ -111,13 +112,17 @@ static void find_simplices(sph_query *q, const sph_level *level)
 {
     for (uint32_t i = 0; i < q->primitive_count; ++i) {
         sph__query_simplex *s = &q->simplices[i];
-        *s = (sph__query_simplex){{SPH_NO_SPHERE, SPH_NO_SPHERE, SPH_NO_SPHERE}, 0, SPH_SIMPLEX_NONE};
+        *s = (sph__query_simplex){{SPH_NO_SPHERE, SPH_NO_SPHERE, SPH_NO_SPHERE}, 0, SPH_SIMPLEX_NONE, {3, 3, 3}};
         if (q->solid.corner_counts[i] > 1) continue;
         s->kind = SPH_SIMPLEX_SPHERE;
         s->number = s->spheres[0] = q->solid.corners[i][0];
     }
     name_simplices(q, level->edges, level->edge_count, 2, SPH_SIMPLEX_EDGE);
     name_simplices(q, level->triangles, level->triangle_count, 3, SPH_SIMPLEX_TRIANGLE);
+    for (uint32_t i = 0; i < q->primitive_count; ++i)
+        for (int k = 0; k < 3; ++k)
+            for (int32_t j = 0; j < q->solid.corner_counts[i]; ++j)
+                if (q->solid.corners[i][j] == q->simplices[i].spheres[k]) q->simplices[i].corner[k] = (uint8_t)j;
 }
 
 /* --- the tree --- */
@@ -183,6 +188,40 @@ static sph_status build_tree(sph_query *q)
     return sort_by_leaves(q);
 }
 
+/* --- parts that primitives share --- */
+
+/* An edge, or a sphere as an edge from itself to itself, of the primitive in a slot, as the bit of parts.h. */
+static sph__keyed part_of(const sph_query *q, uint32_t slot, int32_t a, int32_t b, uint32_t bit)
+{
+    const uint32_t *corners = q->solid.corners[slot], first = corners[a], second = corners[b];
+    return (sph__keyed){first < second ? (uint64_t)first << 32 | second : (uint64_t)second << 32 | first,
+                        (uint64_t)q->numbers[slot] << 32 | bit};
+}
+
+/* Of those that have a part in common all but the one with the lowest number are told. */
+static sph_status mark_shared(sph_query *q)
+{
+    sph__keyed *parts = sph__alloc(q->context, q->primitive_count, 6 * sizeof *parts);
+    uint32_t *slots = sph__alloc(q->context, q->primitive_count, sizeof *slots);
+    size_t count = 0;
+    for (uint32_t i = 0; parts != NULL && slots != NULL && i < q->primitive_count; ++i) {
+        const int32_t corners = q->solid.corner_counts[i];
+        slots[q->numbers[i]] = i;
+        for (int32_t k = 0; k < corners; ++k) {
+            parts[count++] = part_of(q, i, k, k, (uint32_t)k);
+            if (corners == 3 || (corners == 2 && k == 0))
+                parts[count++] = part_of(q, i, k, (k + 1) % corners, 3 + (uint32_t)k);
+        }
+    }
+    if (count > 0) sph__sort(parts, count);
+    for (size_t i = 1; i < count; ++i)
+        if (parts[i].key == parts[i - 1].key)
+            q->shared[slots[parts[i].item >> 32]] |= (uint8_t)(1u << (parts[i].item & 7));
+    sph__free(q->context, parts);
+    sph__free(q->context, slots);
+    return count > 0 ? SPH_OK : sph__fail_memory(q->context);
+}
+
 /* --- creation --- */
 
 static bool allocate_bounds(sph_query *q)
@@ -192,6 +231,7 @@ static bool allocate_bounds(sph_query *q)
     const size_t stride = ((size_t)q->primitive_count + SPH__QUERY_LANES) / SPH__QUERY_LANES * SPH__QUERY_LANES + 16;
     float *row = b->rows = sph__zalloc(q->context, 6 * stride, sizeof *row);
     if (row == NULL) return false;
+    b->stride = stride;
     for (int k = 0; k < 3; ++k) {
         b->low[k] = row;
         b->high[k] = row + stride;
@@ -213,10 +253,11 @@ static sph_status allocate(sph_query *q, const sph_level *level)
     q->frame_radii = sph__alloc(q->context, level->radii_per_frame ? all : spheres, sizeof *q->frame_radii);
     q->simplices = sph__alloc(q->context, q->primitive_count, sizeof *q->simplices);
     q->numbers = sph__alloc(q->context, q->primitive_count, sizeof *q->numbers);
+    q->shared = sph__zalloc(q->context, q->primitive_count, sizeof *q->shared);
     q->fans = sph__alloc(q->context, q->primitive_count, sizeof *q->fans);
     q->parts = sph__alloc(q->context, q->primitive_count, sizeof *q->parts);
     if (q->frame_centers == NULL || q->frame_radii == NULL || q->simplices == NULL || q->numbers == NULL ||
-        q->fans == NULL || q->parts == NULL)
+        q->shared == NULL || q->fans == NULL || q->parts == NULL)
         return SPH_E_NOMEM;
     memcpy(q->frame_centers, level->centers, 3 * all * sizeof *q->frame_centers);
     memcpy(q->frame_radii, level->radii, (level->radii_per_frame ? all : spheres) * sizeof *q->frame_radii);
@@ -239,6 +280,7 @@ static sph_status fill(sph_query *q, const sph_level *level, const sph_query_opt
     q->is_exhaustive = options->search == SPH_SEARCH_EXHAUSTIVE ||
                        (options->search == SPH_SEARCH_AUTO && q->primitive_count < SPH__QUERY_TREE_FROM);
     if (!q->is_exhaustive && (status = build_tree(q)) != SPH_OK) return status;
+    if ((status = mark_shared(q)) != SPH_OK) return status;
     return sph_query_pose_frame(q, 0);
 }
 

@@ -22,6 +22,7 @@ enum {
 typedef struct sph__query_simplex {
     uint32_t spheres[3];
     uint32_t number, kind;
+    uint8_t corner[3]; /* which of the primitive's it is; 3: none */
 } sph__query_simplex;
 
 /* Which space is connected to infinity (cavity.c). */
@@ -49,12 +50,13 @@ struct sph_query {
     sph__solid solid;     /* centers, radii: of the model */
     sph__query_simplex *simplices;
     uint32_t *numbers; /* of a slot: the primitive's place in the order of the simplices, by which ties go */
+    uint8_t *shared;   /* of a slot: which parts a primitive with a lower number has too (parts.h) */
     sph__query_bounds bounds;
-    sph__query_fan *fans;    /* by slot */
-    sph__query_parts *parts; /* by slot */
-    double origin[3], scale;
-    double half[3]; /* the solid lies in +- half */
-    uint64_t pose;  /* counts up */
+    sph__query_fan *fans;          /* by slot */
+    sph__query_parts *parts;       /* by slot */
+    double origin[3], scale, unit; /* unit = 1 / scale */
+    double half[3];                /* the solid lies in +- half */
+    uint64_t pose;                 /* counts up */
     sph__query_cavities *cavities;
 };
 

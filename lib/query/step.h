@@ -9,7 +9,6 @@
 #endif
 
 #include "hierarchy/lanes.h"
-#include "query/fan.h"
 
 /* Bit i is byte i, of 64 that are 0 or 1. */
 SPH__INLINE uint64_t sph__query_pack(const uint8_t *bytes)
@@ -31,10 +30,16 @@ SPH__INLINE uint64_t sph__query_pack(const uint8_t *bytes)
     return mask;
 }
 
-/* Compilers make a branch of `?:`, which would be a guess. */
+/* Compilers make branches of what is picked by a condition that they know, which would be a guess. */
+SPH__INLINE int sph__query_opaque(int condition)
+{
+    __asm__("" : "+r"(condition));
+    return condition;
+}
+
 SPH__INLINE double sph__query_pick(int condition, double a, double b)
 {
-    const int64_t mask = -(int64_t)condition;
+    const int64_t mask = -(int64_t)sph__query_opaque(condition);
     int64_t x, y;
     memcpy(&x, &a, sizeof x);
     memcpy(&y, &b, sizeof y);
@@ -43,28 +48,10 @@ SPH__INLINE double sph__query_pick(int condition, double a, double b)
     return a;
 }
 
-/* The next number up; of one >= 0. */
-SPH__INLINE double sph__query_following(double x)
+SPH__INLINE uint32_t sph__query_pick_number(int condition, uint32_t a, uint32_t b)
 {
-    int64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    ++bits;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-/* What follows from the distance at t and from where the tangent there reaches 0. */
-SPH__INLINE void sph__query_finish(sph__query_pair *p, double distance, double tolerance, double next)
-{
-    const double at = p->t;
-    const int touches = distance <= tolerance;
-    next = sph__query_pick((next > 1) & (next <= 1 + 1e-12) & (at < 1), 1, next);
-    next = sph__query_pick(next == at, sph__query_following(at), next);
-    next = sph__query_pick(p->steps + 1 < SPH__QUERY_STEPS, next, SPH__QUERY_MISS);
-    p->t = sph__query_pick(touches, at, next);
-    p->distance = distance;
-    p->touches = (uint8_t)touches;
-    ++p->steps;
+    const uint32_t mask = 0 - (uint32_t)sph__query_opaque(condition);
+    return (a & mask) | (b & ~mask);
 }
 
 #endif

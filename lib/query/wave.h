@@ -1,37 +1,36 @@
 /* SPDX-License-Identifier: MIT */
-/* Many moves against one primitive after the other; the answers are those of kernel.h and parts.h. */
+/*
+ * Many segments against all primitives: boxes segment by segment, for 16 primitives at a time; then parts primitive by
+ * primitive, for up to 16 segments at a time, which wait until there are as many.
+ */
 #ifndef SPH_QUERY_WAVE_H
 #define SPH_QUERY_WAVE_H
 
 #include "query/parts.h"
 
-enum { SPH__QUERY_WAVE = 256 }; /* moves at a time; a multiple of 64 */
+enum {
+    SPH__QUERY_WAVE = 176, /* segments at a time: numbers fit into a byte */
+    SPH__QUERY_SIDE = 16,  /* segments side by side */
+    SPH__QUERY_SLOTS = 64  /* primitives at a time */
+};
 
-/* Moves that may touch the primitive whose turn it is. What is beyond their number is left from others. */
-typedef struct __attribute__((aligned(64))) sph__query_candidates {
-    float entry[SPH__QUERY_WAVE], from[3][SPH__QUERY_WAVE], direction[3][SPH__QUERY_WAVE];
-    float per_length[SPH__QUERY_WAVE], swell[SPH__QUERY_WAVE], margin[SPH__QUERY_WAVE];
-    float first[SPH__QUERY_WAVE], last[SPH__QUERY_WAVE];
-    uint16_t move[SPH__QUERY_WAVE];
-} sph__query_candidates;
+/* Which of the boxes [begin, begin + count), at most 64, the segment in each lane meets, as bits. */
+void sph__query_wave_meet(const sph__query_bounds *bounds, size_t begin, uint32_t count, const sph__query_aim *aim,
+                          uint64_t masks[SPH__QUERY_AIM]);
 
-/* What moves; rays as a structure of arrays. */
-typedef struct sph__query_wave {
-    uint32_t count;
-    const sph__query_ray *rays;
-    float above[3][SPH__QUERY_WAVE], below[3][SPH__QUERY_WAVE], inverse[3][SPH__QUERY_WAVE];
-    sph__query_candidates candidates;
-} sph__query_wave;
+/* Lines side by side, and a primitive that they may touch. */
+typedef struct __attribute__((aligned(64))) sph__query_side {
+    float from[3][SPH__QUERY_SIDE], direction[3][SPH__QUERY_SIDE], per_length[SPH__QUERY_SIDE], reach[SPH__QUERY_SIDE];
+    uint8_t which[SPH__QUERY_SIDE];
+    uint32_t slot, count;
+} sph__query_side;
 
-/* Borrows rays. Those that are not set meet nothing. */
-void sph__query_wave_begin(sph__query_wave *wave, uint32_t count, const sph__query_ray *rays);
-void sph__query_wave_set(sph__query_wave *wave, uint32_t i, const sph__query_ray *ray);
+/* Puts lines[side->which[..]] side by side. Best some time before they are used: what is written in pieces is slow to
+ * read as a whole for a while. */
+void sph__query_wave_gather(sph__query_side *side, const sph__query_line *lines);
 
-/*
- * Pairs of the primitive in `slot` with moves that may touch it, and from when on; at most a wave, and one may be
- * written more. Returns how many.
- */
-uint32_t sph__query_wave_pairs(sph__query_wave *wave, const sph__query_bounds *bounds, const sph__query_parts *parts,
-                               uint32_t slot, sph__query_pair *pairs);
+/* Their keys; above 1: does not touch. */
+void sph__query_wave_touch(const sph__query_parts *parts, const sph__query_fan *fan, const sph__query_side *side,
+                           float keys[SPH__QUERY_SIDE]);
 
 #endif

@@ -2,6 +2,7 @@
 /* One call or many, tree or not, after whatever poses: the same bits. */
 #include <check.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -161,7 +162,7 @@ static void teardown(void)
     sph_context_destroy(context);
 }
 
-static const uint32_t SIZES[] = {30, 120, 400, SIMPLICES};
+static const uint32_t SIZES[] = {10, 30, 120, 400, SIMPLICES};
 
 START_TEST(a_batch_has_the_bits_of_single_calls)
 {
@@ -237,6 +238,61 @@ START_TEST(batches_allocate_nothing)
 }
 END_TEST
 
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+enum { STACK = 1 << 18 };
+
+typedef struct work {
+    sph_query *query; /* NULL: do nothing */
+    unsigned char *stack;
+} work;
+
+static void *do_work(void *user)
+{
+    const work *w = user;
+    if (w->query == NULL) return NULL;
+    ask(w->query, SWEEPS, given[0]);
+    ask(w->query, 1, given[0]);
+    return NULL;
+}
+
+/* How much of its stack a thread has written to. */
+static size_t stack_of(work w)
+{
+    pthread_attr_t attributes;
+    pthread_t thread;
+    size_t untouched = 0;
+    memset(w.stack, 0xa5, STACK);
+    ck_assert_int_eq(pthread_attr_init(&attributes), 0);
+    ck_assert_int_eq(pthread_attr_setstack(&attributes, w.stack, STACK), 0);
+    ck_assert_int_eq(pthread_create(&thread, &attributes, do_work, &w), 0);
+    ck_assert_int_eq(pthread_join(thread, NULL), 0);
+    pthread_attr_destroy(&attributes);
+    while (untouched < STACK && w.stack[untouched] == 0xa5)
+        ++untouched;
+    return STACK - untouched;
+}
+
+/* Threads of engines' jobs have small stacks. */
+START_TEST(a_call_needs_less_than_32_kB_of_stack)
+{
+    sph_level *level = make_level(SIZES[_i]);
+    work w = {.stack = aligned_alloc(4096, STACK)};
+    sph_query *q = make_query(level, SPH_SEARCH_AUTO);
+    size_t base, all;
+    ck_assert_ptr_nonnull(w.stack);
+    ask(q, SWEEPS, given[0]); /* whatever happens at first has happened */
+    ask(q, 1, given[0]);
+    base = stack_of(w);
+    w.query = q;
+    all = stack_of(w);
+    ck_assert_msg(all - base < 32 * 1024, "%zu bytes", all - base);
+    free(w.stack);
+    sph_query_destroy(q);
+    sph_level_destroy(level);
+}
+END_TEST
+#endif
+
 int main(void)
 {
     enum { SIZE_COUNT = sizeof SIZES / sizeof *SIZES };
@@ -248,5 +304,8 @@ int main(void)
     tcase_add_loop_test(tc, the_tree_has_the_bits_of_the_exhaustive_search, 0, SIZE_COUNT);
     tcase_add_loop_test(tc, a_tree_that_was_refitted_has_them_too, 0, SIZE_COUNT);
     tcase_add_loop_test(tc, batches_allocate_nothing, 0, SIZE_COUNT);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    tcase_add_loop_test(tc, a_call_needs_less_than_32_kB_of_stack, 0, SIZE_COUNT);
+#endif
     return run_suite(s, tc);
 }
