@@ -44,6 +44,7 @@ typedef struct api_fixture {
     sph_io_spill *io_spill; /* NULL but where a call is about handles */
 } api_fixture;
 extern api_fixture fixture;
+extern bool api_files_are_there; /* texts are names of files that can be read */
 void api_make_context(void);
 void api_make_handles(void);      /* all but the last three, with fixture.context */
 void api_make_file_handles(void); /* and these */
@@ -54,7 +55,7 @@ void api_free_scratches(void);
 /* A call of one public function with arguments picked by the random state. */
 typedef struct api_call {
     const char *name;
-    void (*run)(uint64_t *random);
+    sph_status (*run)(uint64_t *random); /* SPH_OK of those without a status */
 } api_call;
 extern const api_call API_CALLS[];
 extern const size_t API_CALL_COUNT;
@@ -83,6 +84,9 @@ const char **names(uint64_t *random);
 void *scratch(uint64_t *random);
 /* Zeroed memory for a struct, which nothing else uses until many more have been asked for. */
 void *room(size_t size);
+
+/* --- test_failures.c --- */
+void api_add_failure_tests(TCase *tc);
 
 /* --- test_foreign.c --- */
 void api_add_foreign_tests(TCase *tc);

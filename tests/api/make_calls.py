@@ -168,7 +168,7 @@ def arguments_of(headers, name, parameters, out, given_by_name):
 
 
 def write_call(headers, result, name, parameters, out):
-    out.append(f"static void call_{name}(uint64_t *r)\n{{\n    (void)r; /* not all have something to pick */")
+    out.append(f"static sph_status call_{name}(uint64_t *r)\n{{\n    (void)r; /* not all have something to pick */")
     arguments, after = arguments_of(headers, name, parameters, out, OWN.get(name, {}))
     call = f"{name}({', '.join(arguments)})"
     if result == "sph_status":
@@ -180,7 +180,7 @@ def write_call(headers, result, name, parameters, out):
     if name == "sph_context_allocate":
         out[-1] = f"    sph_context_release(context_, {call});"
     out.extend(after)
-    out.append("}\n")
+    out.append(f"    return {'status' if result == 'sph_status' else 'SPH_OK'};\n}}\n")
 
 
 def handle_parameters(headers, parameters):

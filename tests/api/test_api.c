@@ -15,6 +15,7 @@
 enum { SCRATCHES = 8, SCRATCH_SIZE = 1 << 17, ROUNDS = 80, CALLS_PER_FIXTURE = 10 };
 
 api_fixture fixture;
+bool api_files_are_there;
 
 static union scratch_block {
     unsigned char bytes[SCRATCH_SIZE];
@@ -60,9 +61,10 @@ double odd_number(uint64_t *random)
 const char *text(uint64_t *random)
 {
     static const char *const TEXTS[] = {NULL, "", "/nowhere/a.obj", "a", "%s%n", "\xff\xfe", "/", path};
+    static const char *const FILES[] = {"in.glb", "in.sphm", "in.json", "in.obj"};
     static const char *const ENDINGS[] = {".obj", ".pc2", ".mdd", ".sphm", ".json", ".glb", ".ply", ".nothing"};
     snprintf(path, sizeof path, "test-api-%ld%s", (long)getpid(), ENDINGS[pick(random, 8)]);
-    return TEXTS[pick(random, 8)];
+    return api_files_are_there && pick(random, 2) == 0 ? FILES[pick(random, 4)] : TEXTS[pick(random, 8)];
 }
 
 const char **names(uint64_t *random)
@@ -228,6 +230,7 @@ int main(void)
     int result;
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, a_careless_caller_harms_nothing, 0, (int)API_CALL_COUNT);
+    api_add_failure_tests(tc);
     api_add_foreign_tests(tc);
     if (mkdtemp(folder) == NULL || chdir(folder) != 0) return 1;
     result = run_suite(suite, tc);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where the library is built with handle-checks: every public function, given for each of its handles one of every other kind,
- * and ones that were destroyed, refuses it, says so, and harms neither.
+ * Where the library is built with handle-checks: every public function, given for each of its handles one of every
+ * other kind, and ones that were destroyed, refuses it, says so, and harms neither.
  */
 #include "calls.h"
 #include "support.h"
@@ -17,13 +17,23 @@ typedef struct named_handle {
 
 static void list_handles(named_handle list[KINDS])
 {
-    const named_handle all[] = {
-        {"context", fixture.context},     {"animation", fixture.animation}, {"quadric", fixture.quadric},
-        {"hierarchy", fixture.hierarchy}, {"cursor", fixture.cursor},       {"level", fixture.level},
-        {"query", fixture.query},         {"surface", fixture.surface},     {"skin", fixture.skin},
-        {"skeleton", fixture.skeleton},   {"deformer", fixture.deformer},   {"io_rig", fixture.io_rig},
-        {"io_spill", fixture.io_spill},   {"progressive", fixture.progressive},
-        {"implicit", fixture.implicit},   {"tracker", fixture.tracker},     {"io_rig_levels", fixture.io_rig_levels}};
+    const named_handle all[] = {{"context", fixture.context},
+                                {"animation", fixture.animation},
+                                {"quadric", fixture.quadric},
+                                {"hierarchy", fixture.hierarchy},
+                                {"cursor", fixture.cursor},
+                                {"level", fixture.level},
+                                {"query", fixture.query},
+                                {"surface", fixture.surface},
+                                {"skin", fixture.skin},
+                                {"skeleton", fixture.skeleton},
+                                {"deformer", fixture.deformer},
+                                {"io_rig", fixture.io_rig},
+                                {"io_spill", fixture.io_spill},
+                                {"progressive", fixture.progressive},
+                                {"implicit", fixture.implicit},
+                                {"tracker", fixture.tracker},
+                                {"io_rig_levels", fixture.io_rig_levels}};
     _Static_assert(sizeof all / sizeof *all == KINDS, "a kind of handle is missing in this list");
     memcpy(list, all, sizeof all);
 }
