@@ -15,12 +15,13 @@ test_packages=(
     libjansson-dev libopenmesh-dev # the oracles of lib/io
     libcgal-dev           # the oracle of distances to meshes
     libeigen3-dev libbullet-dev libembree-dev # what the benches compare with, besides
+    valgrind              # memory that was never set
     abigail-tools cmake   # the binary interface, and a user of CMake
     python3-pytest python3-numpy python3-pycparser mypy luajit # examples/ffi
     python3 python3-yaml  # the tests of the program, and scripts/*.py
     doxygen               # the headers' documentation
 )
-heavy_packages=("${demo_packages[@]}" "${test_packages[@]}" afl++ clang-tidy valgrind gcovr)
+heavy_packages=("${demo_packages[@]}" "${test_packages[@]}" afl++ clang-tidy gcovr)
 docs_packages=(doxygen python3-sphinx python3-breathe python3-myst-parser groff-base python3)
 
 case "${1-}" in

@@ -20,7 +20,7 @@ typedef struct sph__graves {
 
 /* Writes into the space in front of a block what it is, and whose. */
 void sph__handle_mark(void *handle, const sph_context *context, int kind);
-/* Takes over a block that is a handle; false for others. */
+/* Takes over a block of the built-in allocator that is a handle; false for others. */
 bool sph__bury(sph__graves *graves, const sph_allocator *allocator, void *block);
 /* Releases all, at the context's end. */
 void sph__graves_clear(sph__graves *graves, const sph_allocator *allocator);
