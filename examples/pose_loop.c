@@ -68,7 +68,7 @@ int main(int argc, char **argv)
     sph_status status;
     if (argc < 2) {
         fprintf(stderr, "usage: pose_loop RIG.glb [SECONDS]\n");
-        return EXIT_FAILURE;
+        return 2;
     }
     status = sph_context_create(NULL, &context);
     if (status == SPH_OK) status = run(context, argv[1], argc > 2 ? atof(argv[2]) : 2);

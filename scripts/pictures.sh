@@ -74,3 +74,9 @@ for level in 0 1 2 3; do
     [ "$level" -gt 0 ] || name=rig.glb
     render "$name" --size 230x180 --frames 0:36:12 --flat -o "$docs/simplify-$level.png"
 done
+
+# one pose of the rig, blended linearly and corrected by implicit skinning; its operators
+"$program" pose rig.glb --frames 20:21 --implicit --beside -o soft.pc2 --quiet
+render soft-lbs.obj --size 380x300 --flat -o "$docs/implicit-lbs.png"
+render soft.obj --size 380x300 --flat -o "$docs/implicit-ours.png"
+python3 "$docs/../scripts/plot_implicit.py" "$(dirname "$program")/../lib/libsphmesh.so" "$docs/implicit-operators.png"

@@ -215,11 +215,11 @@ class Sizes(Case):
                     self.assertLess(len(file.readlines()), 100, name)
 
     def test_what_is_wrong_is_said(self):
-        for name in ("host", "lod_browser", "game_loop", "rig_export", "bend_rig"):
+        for name in ("host", "lod_browser", "game_loop", "pose_loop", "rig_export", "bend_rig"):
             self.assertEqual(example(name).returncode, 2, name)
         for arguments in (("host", "no.obj", "no.pc2", "x"), ("lod_browser", "no.sphm"), ("game_loop", "no.json"),
                           ("rig_export", "no.obj", "no.pc2", "x.glb", "x.json"),
-                          ("bend_rig", "no.glb", "0", "1", "x.obj")):
+                          ("pose_loop", "no.glb"), ("bend_rig", "no.glb", "0", "1", "x.obj")):
             done = example(*arguments)
             self.assertEqual(done.returncode, 1)
             self.assertIn("no.", done.stderr)
