@@ -19,7 +19,7 @@ typedef struct fan {
 /* The edges across from the node, in order around it; false where they are no single closed ring. */
 static bool walk_ring(const sph__shell *s, const size_t *around, size_t count, uint32_t node, fan *f)
 {
-    uint32_t from[RING_LIMIT], to[RING_LIMIT];
+    uint32_t from[RING_LIMIT] = {0}, to[RING_LIMIT] = {0};
     if (count < 3 || count > RING_LIMIT) return false;
     for (size_t i = 0; i < count; ++i) {
         const uint32_t *corner = s->triangles + 3 * around[i];

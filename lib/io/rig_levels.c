@@ -74,7 +74,7 @@ sph_status sph_io_open_rig_levels(sph_context *context, const char *path, const 
     SPH__IO_SET_MARK(l, SPH__IO_RIG_LEVELS);
     if (l->path == NULL) status = sph__io_fail_memory(context, path);
     if (status == SPH_OK) status = sph__io_rig_map(context, l->path, &l->map, &l->d);
-    if (status == SPH_OK) status = sph__io_rig_read(&l->d, &chosen, &l->g, &l->rig);
+    if (status == SPH_OK) status = sph__io_rig_read(&l->d, &chosen, 0, &l->g, &l->rig);
     if (status == SPH_OK) status = sph_skin_get_arrays(sph_io_rig_skin(l->rig), &a);
     l->triangle_count = a.triangle_count;
     if (status == SPH_OK) status = sph__levels_read(l);

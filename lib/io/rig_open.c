@@ -22,6 +22,7 @@ typedef struct gathering {
     sph_skin_clip *clips;
     uint32_t clip_count, influence_count;
     size_t link_count;
+    double share; /* of the call's progress */
 } gathering;
 
 static void release(gathering *a)
@@ -213,7 +214,7 @@ static sph_status gather_frames(gathering *a)
     if (status == SPH_OK) status = allocate(a, rig->frame_count * count, 12 * sizeof(double), &rig->joints);
     if (status == SPH_OK) status = allocate(a, rig->frame_count * count, 12 * sizeof(double), &a->transforms);
     for (uint32_t f = 0; f < rig->frame_count && status == SPH_OK; ++f) {
-        status = sph_context_report_progress(rig->context, "reading poses", (double)f / rig->frame_count);
+        status = sph_context_report_progress(rig->context, "reading poses", a->share * f / rig->frame_count);
         sph__gltf_pose_frame(a->g, a->options.first_frame + f * a->options.frame_step);
         for (size_t b = 0; b < count; ++b) {
             const size_t at = 12 * (f * count + b);
@@ -260,10 +261,10 @@ static sph_status gather(gathering *a)
     return SPH_OK;
 }
 
-sph_status sph__io_rig_read(sph__gltf_document *d, const sph_io_open_rig_options *options, sph__io_gltf **scene,
-                            sph_io_rig **out)
+sph_status sph__io_rig_read(sph__gltf_document *d, const sph_io_open_rig_options *options, double share,
+                            sph__io_gltf **scene, sph_io_rig **out)
 {
-    gathering a = {.mesh.context = d->context, .d = d, .options = *options};
+    gathering a = {.mesh.context = d->context, .d = d, .options = *options, .share = share};
     sph_status status = SPH_OK;
     *out = a.rig = sph_context_allocate(d->context, 1, sizeof *a.rig);
     *scene = NULL;
@@ -307,7 +308,7 @@ sph_status sph_io_open_rig(sph_context *context, const char *path, const sph_io_
         return sph_context_fail(context, SPH_E_INVALID, "sph_io_open_rig: an argument is NULL");
     if ((status = sph__io_rig_read_options(context, options, &chosen)) != SPH_OK) return status;
     if ((status = sph__io_rig_map(context, path, &map, &d)) != SPH_OK) return status;
-    status = sph__io_rig_read(&d, &chosen, &scene, &rig);
+    status = sph__io_rig_read(&d, &chosen, 1, &scene, &rig);
     sph__io_gltf_close(scene);
     sph__gltf_document_close(&d);
     sph__io_map_close(&map);

@@ -25,8 +25,11 @@ sph_status sph__io_rig_read_options(sph_context *context, const sph_io_open_rig_
 
 /* Maps a file and opens its document, which must be a glTF; close both, the document first, where it succeeds. */
 sph_status sph__io_rig_map(sph_context *context, const char *path, sph__io_map *map, sph__gltf_document *d);
-/* The document's rig, with checked options, and the scene that it is of; both are to be given back after failure too. */
-sph_status sph__io_rig_read(sph__gltf_document *d, const sph_io_open_rig_options *options, sph__io_gltf **scene,
-                            sph_io_rig **out);
+/*
+ * The document's rig, with checked options, and the scene that it is of; both are to be given back after failure too.
+ * Progress comes to `share` of the call.
+ */
+sph_status sph__io_rig_read(sph__gltf_document *d, const sph_io_open_rig_options *options, double share,
+                            sph__io_gltf **scene, sph_io_rig **out);
 
 #endif
