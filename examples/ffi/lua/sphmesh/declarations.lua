@@ -434,7 +434,8 @@ sph_status sph_implicit_read(sph_context *context, const void *bytes, size_t siz
 enum 
 {
   SPH_TRACKER_UNGUARDED = 1,
-  SPH_TRACKER_UNSMOOTHED = 2
+  SPH_TRACKER_UNSMOOTHED = 2,
+  SPH_TRACKER_COUNTED = 4
 };
 typedef struct sph_tracker_options
 {
@@ -731,6 +732,19 @@ typedef struct sph_io_rig_arrays
 } sph_io_rig_arrays;
 sph_status sph_io_rig_get_arrays(const sph_io_rig *rig, sph_io_rig_arrays *arrays);
 sph_status sph_io_save_mesh(sph_context *context, uint32_t vertex_count, const float *positions, const float *normals, size_t triangle_count, const uint32_t *triangles, const char *path);
+typedef struct sph_io_frames
+{
+  uint32_t struct_size;
+  uint32_t vertex_count;
+  uint32_t frame_count;
+  uint32_t reserved0;
+  const float *positions;
+  size_t triangle_count;
+  const uint32_t *triangles;
+  double frames_per_second;
+  const char *name;
+} sph_io_frames;
+sph_status sph_io_save_frames_glb(sph_context *context, const sph_io_frames *frames, const char *path);
 sph_status sph_io_save_implicit(sph_context *context, const sph_implicit *implicit, const char *path);
 sph_status sph_io_load_implicit(sph_context *context, const char *path, sph_implicit **out);
 typedef struct sph_io_rig_levels sph_io_rig_levels;
@@ -961,6 +975,7 @@ declarations.structs = {
   "sph_surface_options",
   "sph_io_open_rig_options",
   "sph_io_rig_arrays",
+  "sph_io_frames",
   "sph_io_spill_options",
   "sph_io_spill_figures",
   "sph_io_open_options",

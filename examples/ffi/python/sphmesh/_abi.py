@@ -46,6 +46,7 @@ SPH_EVALUATION_TABLE = 0
 SPH_EVALUATION_EXACT = 1
 SPH_TRACKER_UNGUARDED = 1
 SPH_TRACKER_UNSMOOTHED = 2
+SPH_TRACKER_COUNTED = 4
 SPH_SEARCH_AUTO = 0
 SPH_SEARCH_EXHAUSTIVE = 1
 SPH_SEARCH_TREE = 2
@@ -613,6 +614,20 @@ class sph_io_rig_arrays(c.Structure):
     ]
 
 
+class sph_io_frames(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("vertex_count", c.c_uint32),
+        ("frame_count", c.c_uint32),
+        ("reserved0", c.c_uint32),
+        ("positions", c.c_void_p),
+        ("triangle_count", c.c_size_t),
+        ("triangles", c.c_void_p),
+        ("frames_per_second", c.c_double),
+        ("name", c.c_char_p),
+    ]
+
+
 class sph_io_spill_options(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
@@ -782,6 +797,7 @@ STRUCTS: List[Any] = [
     sph_surface_options,
     sph_io_open_rig_options,
     sph_io_rig_arrays,
+    sph_io_frames,
     sph_io_spill_options,
     sph_io_spill_figures,
     sph_io_open_options,
@@ -961,6 +977,7 @@ PROTOTYPES: Dict[str, Tuple[Any, List[Any]]] = {
     "sph_io_rig_skin": (c.c_void_p, [c.c_void_p]),
     "sph_io_rig_get_arrays": (c.c_int32, [c.c_void_p, c.POINTER(sph_io_rig_arrays)]),
     "sph_io_save_mesh": (c.c_int32, [c.c_void_p, c.c_uint32, c.c_void_p, c.c_void_p, c.c_size_t, c.c_void_p, c.c_char_p]),
+    "sph_io_save_frames_glb": (c.c_int32, [c.c_void_p, c.POINTER(sph_io_frames), c.c_char_p]),
     "sph_io_save_implicit": (c.c_int32, [c.c_void_p, c.c_void_p, c.c_char_p]),
     "sph_io_load_implicit": (c.c_int32, [c.c_void_p, c.c_char_p, c.POINTER(c.c_void_p)]),
     "sph_io_open_rig_levels": (c.c_int32, [c.c_void_p, c.c_char_p, c.POINTER(sph_io_open_rig_options), c.POINTER(sph_simplify_options), c.POINTER(c.c_void_p)]),
