@@ -319,11 +319,12 @@ static void part_node(const sph_tracker *tracker, sph__track *t, uint32_t i)
  */
 static void claim(const sph_tracker *tracker, sph__track *t, uint32_t i)
 {
-    const uint32_t own = tracker->shell.parts[i], other = t->low_bone[i];
     double x[3], gradient[3];
-    if ((t->state[i] != SPH__NODE_ARRIVED && t->state[i] != SPH__NODE_WALKS) || t->count[i] != 1 || own == other ||
-        own == SPH__NO_PART || other == SPH__NO_PART || other == tracker->rest_bone[i])
-        return;
+    uint32_t own, other;
+    if ((t->state[i] != SPH__NODE_ARRIVED && t->state[i] != SPH__NODE_WALKS) || t->count[i] != 1) return;
+    own = tracker->shell.parts[i]; /* only now: rows are longer than there are nodes */
+    other = t->low_bone[i];
+    if (own == other || own == SPH__NO_PART || other == SPH__NO_PART || other == tracker->rest_bone[i]) return;
     if (t->share[1][i] < LEAST_TRUST) return;
     if (sph__node_weight(tracker, i, other) < OWN_WEIGHT) {
         if (is_near_at_rest(tracker, i, other)) return;
