@@ -119,6 +119,7 @@ examples() {
         lod_browser.c) arguments=creature.sphm ;;
         game_loop.c) arguments=level-20.json ;;
         bend_rig.c) arguments="creature-rig.glb 3 60 bent.obj" ;;
+        pose_loop.c) arguments="creature-rig.glb 0.2" ;;
         rig_export.c) arguments="walk.obj walk.pc2 rig.glb capsules.json" ;;
         new_pose.c) arguments="walk.obj walk.pc2 posed.obj posed.json" ;;
         *) arguments='' ;;
