@@ -18,7 +18,7 @@ from ._library import lib
 from .animation import Animation, open_animation
 from .errors import (CancelledError, FormatError, InputOutputError, InvalidError, LimitError, OutOfMemoryError,
                      SphmeshError, StateError, UnsupportedError, VersionError)
-from .files import SpillingContext, clips, describe, load, objects, save_mesh
+from .files import SpillingContext, clips, describe, load, objects, save_frames, save_mesh
 from .hierarchy import Cursor, Hierarchy
 from .implicit import NO_BONE, Curve, Field, Implicit, Joint, Part, TrackedPose, Tracker, compose, intersections
 from .level import Level

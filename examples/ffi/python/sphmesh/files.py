@@ -88,6 +88,20 @@ def save_mesh(path: PathLike, positions: ArrayLike, triangles: ArrayLike, normal
                 address(faces), encoded(path))
 
 
+def save_frames(path: PathLike, frames: ArrayLike, triangles: ArrayLike, *, fps: float = 30, name: str = "",
+                context: Optional[Context] = None) -> None:
+    """Writes frames, shape (F, n, 3), as a .glb of morph targets that any viewer of glTF plays."""
+    context = context or default_context()
+    points, faces = np.ascontiguousarray(frames, np.float32), indices(triangles, 3)
+    if points.ndim != 3 or points.shape[2] != 3:
+        raise ValueError(f"frames: shape {points.shape} is not (F, n, 3)")
+    how = sized(_abi.sph_io_frames)
+    how.frame_count, how.vertex_count = points.shape[:2]
+    how.positions, how.triangles, how.triangle_count = address(points), address(faces), len(faces)
+    how.frames_per_second, how.name = fps, name.encode()
+    context.run(lib.sph_io_save_frames_glb, context._handle.pointer, ctypes.byref(how), encoded(path))
+
+
 class SpillingContext(Context):
     """A context for data that does not fit into memory: large blocks live in a temporary file.
 

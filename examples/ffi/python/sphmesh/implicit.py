@@ -220,15 +220,17 @@ class Tracker(Owned):
         evaluation: "table" or "exact".
         guarded: what would make new intersections is taken back.
         smoothed: contact regions are smoothed.
+        counted: reports tell how many pairs of triangles intersect before and after, which takes its time.
         iterations, smoothing_rounds, step, contact_angle, tolerance, reach: see sph_tracker_options of the headers.
     """
 
     def __init__(self, implicit: Implicit, skin: Skin, *, method: str = "dual_quaternion", evaluation: str = "table",
-                 guarded: bool = True, smoothed: bool = True, iterations: Optional[int] = None,
+                 guarded: bool = True, smoothed: bool = True, counted: bool = False, iterations: Optional[int] = None,
                  smoothing_rounds: Optional[int] = None, step: Optional[float] = None,
                  contact_angle: Optional[float] = None, tolerance: Optional[float] = None,
                  reach: Optional[float] = None):
-        flags = (0 if guarded else _abi.SPH_TRACKER_UNGUARDED) | (0 if smoothed else _abi.SPH_TRACKER_UNSMOOTHED)
+        flags = ((0 if guarded else _abi.SPH_TRACKER_UNGUARDED) | (0 if smoothed else _abi.SPH_TRACKER_UNSMOOTHED) |
+                 (_abi.SPH_TRACKER_COUNTED if counted else 0))
         how = options(_abi.sph_tracker_options, flags=flags, method=choice("SPH_POSE_", method),
                       evaluation=choice("SPH_EVALUATION_", evaluation), iteration_limit=iterations,
                       smoothing_rounds=smoothing_rounds, step=step, contact_angle=contact_angle, tolerance=tolerance,

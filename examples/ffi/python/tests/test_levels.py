@@ -248,6 +248,16 @@ def test_meshes_are_saved(tmp_path):
     assert sphmesh.clips(tmp_path / "m.obj") == [] and sphmesh.objects(tmp_path / "m.obj") == (None, [])
 
 
+def test_frames_are_saved_and_played_back(tmp_path):
+    sphmesh.save_frames(tmp_path / "m.glb", FRAMES, TRIANGLES, fps=10)
+    again = sphmesh.open_animation(tmp_path / "m.glb", fps=10)
+    assert again.frame_count == len(FRAMES)
+    for frame, expected in enumerate(FRAMES):
+        assert np.allclose(again.read_frame(frame), expected, atol=1e-5)
+    with pytest.raises(ValueError, match="not"):
+        sphmesh.save_frames(tmp_path / "m.glb", FRAMES[0], TRIANGLES)
+
+
 def test_an_archive_tells_its_objects():
     file = pathlib.Path(__file__).resolve().parents[4] / "tests/io/fixtures/alembic_scene.abc"
     archive, told = sphmesh.objects(file)

@@ -186,7 +186,7 @@ def test_operators_are_their_closed_forms():
 
 
 def test_a_tracker_leaves_the_rest_pose_alone_and_adds_no_intersections(skin, implicit):
-    tracker = implicit.tracker(skin)
+    tracker = implicit.tracker(skin, counted=True)
     still = tracker.pose(skin.transforms[0])
     assert np.allclose(still.positions, skin.rest, atol=1e-3) and still.reports[0]["pairs_after"] == 0
     poses = tracker.pose(skin.transforms, normals=True)
@@ -198,7 +198,7 @@ def test_a_tracker_leaves_the_rest_pose_alone_and_adds_no_intersections(skin, im
     assert sphmesh.intersections(poses.positions[3], skin.triangles) == poses.reports["pairs_after"][3]
     assert np.allclose(np.linalg.norm(poses.normals, axis=2), 1, atol=1e-4)
     plain = implicit.tracker(skin, guarded=False, method="linear", iterations=1).pose(skin.transforms[3])
-    assert plain.reports[0]["pairs_after"] == 0  # unguarded: nobody counts
+    assert plain.reports[0]["pairs_after"] == 0  # nobody counts
 
 
 def test_triangles_that_cross_are_counted():
