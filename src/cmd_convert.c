@@ -45,25 +45,14 @@ typedef struct convert_options {
     char *mesh, *cache; /* what is written; free() */
 } convert_options;
 
-/* The output's name with another ending, which is as long. */
-static char *with_ending(const char *name, const char *ending)
-{
-    const size_t size = strlen(name) + 1;
-    char *copy = malloc(size);
-    if (copy == NULL) return NULL;
-    memcpy(copy, name, size);
-    memcpy(copy + size - 1 - strlen(ending), ending, strlen(ending));
-    return copy;
-}
-
 static int name_outputs(convert_options *c)
 {
     const bool is_mesh = name_ends(c->output, ".obj");
     c->mdd = name_ends(c->output, ".mdd");
     if (!is_mesh && !c->mdd && !name_ends(c->output, ".pc2"))
         return usage_error("convert", "-o: '%s' does not end in .obj, .pc2 or .mdd", c->output);
-    c->mesh = with_ending(c->output, is_mesh ? c->output + strlen(c->output) - 4 : ".obj");
-    c->cache = with_ending(c->output, is_mesh ? ".pc2" : c->output + strlen(c->output) - 4);
+    c->mesh = name_with_ending(c->output, is_mesh ? c->output + strlen(c->output) - 4 : ".obj");
+    c->cache = name_with_ending(c->output, is_mesh ? ".pc2" : c->output + strlen(c->output) - 4);
     return c->mesh == NULL || c->cache == NULL ? failure("out of memory") : DONE;
 }
 

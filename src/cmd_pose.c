@@ -60,14 +60,6 @@ typedef struct pose_options {
     char *mesh, *cache; /* what is written; free(); `cache` NULL: only the mesh */
 } pose_options;
 
-/* The output's name with another ending, which is as long. */
-static char *with_ending(const char *name, const char *ending)
-{
-    char *copy = strdup(name);
-    if (copy != NULL) memcpy(copy + strlen(name) - strlen(ending), ending, strlen(ending));
-    return copy;
-}
-
 static int name_outputs(pose_options *o)
 {
     o->mdd = name_ends(o->output, ".mdd");
@@ -79,7 +71,7 @@ static int name_outputs(pose_options *o)
         return usage_error("pose", "--frames: an .obj or .ply has one, which is --frame; .pc2 and .mdd have many");
     if (!o->single && o->frame != UINT32_MAX)
         return usage_error("pose", "--frame: of an .obj or .ply; of the others it is --frames");
-    o->mesh = o->single || o->glb ? strdup(o->output) : with_ending(o->output, ".obj");
+    o->mesh = o->single || o->glb ? strdup(o->output) : name_with_ending(o->output, ".obj");
     o->cache = o->single || o->glb ? NULL : strdup(o->output);
     return o->mesh == NULL || (!o->single && !o->glb && o->cache == NULL) ? failure("out of memory") : DONE;
 }

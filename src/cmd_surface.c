@@ -155,6 +155,7 @@ static int make_frames(session *s, const surface_options *o, const sph_level *le
     progress_start(&s->progress, "extracting");
     for (uint32_t i = 0; i < count && status == SPH_OK; ++i) {
         const uint32_t frame = first + i * step;
+        subject = path; /* no more the file of the frame before */
         free(m->name);
         m->name = o->frames.given ? numbered_name(o->output, frame, first + (count - 1) * step) : strdup(o->output);
         if (m->name == NULL)

@@ -144,6 +144,13 @@ bool name_ends(const char *name, const char *ending)
     return length > tail && strcasecmp(name + length - tail, ending) == 0;
 }
 
+char *name_with_ending(const char *name, const char *ending)
+{
+    char *copy = strdup(name);
+    if (copy != NULL) memcpy(copy + strlen(name) - strlen(ending), ending, strlen(ending));
+    return copy;
+}
+
 int output_check_level(const char *command, const char *path)
 {
     if (path == NULL) return usage_error(command, "-o is missing: where should the level go?");

@@ -69,6 +69,8 @@ sph_status input_open(session *s, const input_options *input, const arguments *p
 int load_level(session *s, const char *path, sph_level **out);
 /* True where the name ends like this, in either case. */
 bool name_ends(const char *name, const char *ending);
+/* The name with another ending, which is as long as its own; free(). NULL: out of memory. */
+char *name_with_ending(const char *name, const char *ending);
 /* DONE, or USAGE where no level can be written under such a name. */
 int output_check_level(const char *command, const char *path);
 /* Bytes of a file, 0 where there is none; and the most memory that the program has had. */

@@ -202,7 +202,7 @@ static sph_status check_chunks(const sph__container *c, const sph__crc32c *crc)
             if (get(entry_of(c, j), 4) == get(entry, 4)) return damaged(c, entry_byte, "a second chunk of one name");
         if (sph__crc32c_add(crc, 0, c->bytes + offset, size) != get(entry + 4, 4))
             return sph__fail(c->context, SPH_E_FORMAT, "bytes %llu to %llu: the checksum of chunk %.4s is wrong",
-                             (unsigned long long)offset, (unsigned long long)(offset + size), (const char *)entry);
+                             (unsigned long long)offset, (unsigned long long)offset + size, (const char *)entry);
         place = offset + padded(size);
         status = check_padding(c, offset + size, place);
     }

@@ -148,11 +148,10 @@ sph_status sph__io_expand(sph__io_names *names, const char *const *paths, size_t
     sph_status status = SPH_OK;
     for (size_t i = 0; i < path_count && status == SPH_OK; ++i) {
         pattern p;
-        if (exists(paths[i])) /* a file may have such characters in its name */
-            status = add(names, paths[i]);
-        else if (find_conversion(paths[i], &p))
+        const bool plain = exists(paths[i]); /* a file may have such characters in its name */
+        if (!plain && find_conversion(paths[i], &p))
             status = expand_pattern(names, paths[i], &p);
-        else if (strpbrk(paths[i], "*?[") != NULL)
+        else if (!plain && strpbrk(paths[i], "*?[") != NULL)
             status = expand_glob(names, paths[i]);
         else
             status = add(names, paths[i]);

@@ -220,6 +220,11 @@ static void sift_down(sph__io_ball *items, size_t root, size_t count)
     }
 }
 
+static bool same_center(const sph__io_ball *a, const sph__io_ball *b)
+{
+    return a->center[0] == b->center[0] && a->center[1] == b->center[1] && a->center[2] == b->center[2];
+}
+
 /* In ascending order; of those at one place the largest. */
 static void sort_and_unite(sph__io_balls *balls)
 {
@@ -233,7 +238,7 @@ static void sort_and_unite(sph__io_balls *balls)
         sift_down(balls->items, 0, end);
     }
     for (size_t i = 0; i < balls->count; ++i)
-        if (kept == 0 || memcmp(balls->items[kept - 1].center, balls->items[i].center, sizeof balls->items[i].center) != 0)
+        if (kept == 0 || !same_center(&balls->items[kept - 1], &balls->items[i]))
             balls->items[kept++] = balls->items[i];
     balls->count = kept;
 }
