@@ -35,7 +35,7 @@ analyzer() {
 }
 
 coverage() {
-    configure coverage -Db_coverage=true -Dbenches=disabled -Ddocs=disabled
+    configure coverage -Db_coverage=true -Dc_args=-fprofile-update=atomic -Dbenches=disabled -Ddocs=disabled
     ninja -C "$work/coverage" >/dev/null
     find "$work/coverage" -name '*.gcda' -delete
     meson test -C "$work/coverage" --no-rebuild --no-suite long --no-suite docs >"$work/coverage.log" 2>&1 ||
