@@ -16,7 +16,7 @@ from support import PROGRAM, Case, main
 RINGS, SIDES, POSES, FRAMES = 60, 40, 24, 1680
 MEBIBYTE = 1 << 20
 LIMIT = 20 * MEBIBYTE
-# What may come on top, on a machine that keeps the watching thread waiting.
+# What may come on top of that and of the program itself, on a machine that keeps the watching thread waiting.
 MARGIN = 64 * MEBIBYTE
 
 
@@ -67,18 +67,18 @@ def digest(path):
         return hashlib.sha256(file.read()).hexdigest()
 
 
-
 class Limit(Case):
     def test_an_animation_larger_than_the_limit_gives_the_same_file_and_stays_near_the_limit(self):
         self.assertGreater(SIZE, 2 * LIMIT)
         spill = os.path.join(FOLDER, "spill")
         os.mkdir(spill)
         whole, limited = os.path.join(FOLDER, "whole.sphm"), os.path.join(FOLDER, "limited.sphm")
+        own = self.json(*INPUT, "--frames", "0:1:1", "-o", whole)  # what a sanitizer adds, for the most part
         free = self.json(*INPUT, "-o", whole)
         held = self.json(*INPUT, "-o", limited, "--memory-limit", f"{LIMIT // MEBIBYTE}M", "--temporary-folder", spill)
         self.assertEqual(digest(whole), digest(limited))
         self.assertEqual(os.listdir(spill), [])
-        self.assertLess(held["peak_rss_bytes"], LIMIT + MARGIN)
+        self.assertLess(held["peak_rss_bytes"], own["peak_rss_bytes"] + LIMIT + MARGIN)
         self.assertLess(held["peak_rss_bytes"], free["peak_rss_bytes"] / 2)
 
     def test_a_small_animation_under_a_large_limit_is_the_same_file_too(self):
