@@ -5,8 +5,8 @@ print and how long they take, in place of what was there.
 
 usage: record.py PAGE SHELL...     such as: record.py docs/transcripts/x.md chroot /somewhere /bin/bash
 
-Of long output the beginning and the end are kept, and no line that names a host. A command goes on in lines that begin with
-"> ", as in a terminal."""
+Of long output the beginning and the end are kept, and no line that names a host; the home folder is written ~. A
+command goes on in lines that begin with "> ", as in a terminal."""
 import pathlib
 import re
 import subprocess
@@ -32,8 +32,8 @@ def run(shell, command):
     sys.exit(f"the shell ended in: {command}")
 
 
-def shortened(lines):
-    lines = [line.split("\r")[-1] for line in lines if "://" not in line]
+def shortened(lines, home):
+    lines = [line.split("\r")[-1].replace(home + "/", "~/") for line in lines if "://" not in line]
     if len(lines) > HEAD + TAIL + 1:
         lines[HEAD:-TAIL] = [f"[{len(lines) - HEAD - TAIL} more lines]"]
     return lines
@@ -42,6 +42,7 @@ def shortened(lines):
 def main():
     page = pathlib.Path(sys.argv[1])
     shell = subprocess.Popen(sys.argv[2:], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    home = run(shell, "echo $HOME")[0][0]
     total, failed = 0.0, []
 
     def record(block):
@@ -50,7 +51,7 @@ def main():
         for command in re.findall(r"^\$ (.*(?:\n>.*)*)", block[1], re.M):
             lines, status, seconds = run(shell, re.sub("\n> ?", "\n", command))
             total += seconds
-            out += [f"$ {command}", *shortened(lines), f"[{seconds:.1f} s]"]
+            out += [f"$ {command}", *shortened(lines, home), f"[{seconds:.1f} s]"]
             print(f"{seconds:8.1f} s  {status}  {command}", flush=True)
             if status:
                 failed.append(command)
