@@ -17,17 +17,8 @@ void sph__intersector_free(sph__intersector *x)
 
 void sph__intersector_box(sph__intersector *x, size_t begin, size_t end)
 {
-    for (size_t t = begin; t < end; ++t) {
-        const uint32_t *corner = x->triangles + 3 * t;
-        sph__box *b = x->boxes + t;
-        for (int c = 0; c < 3; ++c) {
-            const float u = x->positions[3 * (size_t)corner[0] + c], v = x->positions[3 * (size_t)corner[1] + c];
-            const float w = x->positions[3 * (size_t)corner[2] + c];
-            const float low = u < v ? u : v, high = u < v ? v : u;
-            b->low[c] = w < low ? w : low;
-            b->high[c] = w > high ? w : high;
-        }
-    }
+    for (size_t t = begin; t < end; ++t)
+        x->boxes[t] = sph__box_of_triangle(x->positions, x->triangles + 3 * t);
 }
 
 void sph__intersector_refit(sph__intersector *x)

@@ -13,6 +13,20 @@ typedef struct sph__box {
     float low[3], high[3];
 } sph__box;
 
+/* The box of three of the points `xyz`. */
+static inline sph__box sph__box_of_triangle(const float *xyz, const uint32_t corners[3])
+{
+    sph__box box;
+    for (size_t k = 0; k < 3; ++k) {
+        const float a = xyz[3 * (size_t)corners[0] + k], b = xyz[3 * (size_t)corners[1] + k];
+        const float c = xyz[3 * (size_t)corners[2] + k];
+        const float low = a < b ? a : b, high = a < b ? b : a;
+        box.low[k] = low < c ? low : c;
+        box.high[k] = high > c ? high : c;
+    }
+    return box;
+}
+
 typedef struct sph__box_tree {
     const sph_context *context; /* borrowed */
     uint32_t item_count, capacity;

@@ -73,17 +73,8 @@ static void measure_areas(sph__mesh *mesh)
 
 static void set_boxes(sph__mesh *mesh)
 {
-    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
-        const uint32_t *t = &mesh->triangles[3 * (size_t)i];
-        sph__box *box = &mesh->boxes[i];
-        for (size_t k = 0; k < 3; ++k) {
-            const float a = mesh->xyz[3 * (size_t)t[0] + k], b = mesh->xyz[3 * (size_t)t[1] + k];
-            const float c = mesh->xyz[3 * (size_t)t[2] + k];
-            const float low = a < b ? a : b, high = a < b ? b : a;
-            box->low[k] = low < c ? low : c;
-            box->high[k] = high > c ? high : c;
-        }
-    }
+    for (uint32_t i = 0; i < mesh->triangle_count; ++i)
+        mesh->boxes[i] = sph__box_of_triangle(mesh->xyz, &mesh->triangles[3 * (size_t)i]);
 }
 
 void sph__mesh_build(sph__mesh *mesh)

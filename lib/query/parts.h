@@ -173,11 +173,6 @@ SPH__INLINE sph__query_span sph__query_span_whole(sph__query_span s)
                              s.enter > s.leave ? -SPH__QUERY_NEVER : s.leave};
 }
 
-SPH__INLINE sph__query_span sph__query_span_join(sph__query_span a, sph__query_span b)
-{
-    return (sph__query_span){sph__query_least(a.enter, b.enter), sph__query_most(a.leave, b.leave)};
-}
-
 /* What is known about the entry into a primitive. */
 typedef struct sph__query_entry {
     float all, own, leave; /* into any part, into one that is not shared; out of the last one */

@@ -21,7 +21,7 @@ typedef struct sph__skin_job {
     sph_skin *skin;
 } sph__skin_job;
 
-/* Reads and checks the caller's options, but for what sph__skin_check_start does (options.c). */
+/* Reads and checks the caller's options, but for the arrays among them (options.c). */
 sph_status sph__skin_read_options(sph__skin_job *job, const sph_skin_options *in);
 /* The arrays among the options, once the counts are known. */
 sph_status sph__skin_check_arrays(const sph__skin_job *job, uint32_t frame_count);
