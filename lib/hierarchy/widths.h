@@ -19,21 +19,28 @@ static inline float *sph__probe_bounds_of(const sph__builder *b, const sph__slot
     return b->probe_bounds + (size_t)(slot - b->slots) * 2 * b->probe_count;
 }
 
+/* What keeps gcc from unrolling these loops before it looks for vectors in them: it would take lane by lane then. */
+#if defined(__clang__)
+#  define SPH__LANE_LOOP
+#else
+#  define SPH__LANE_LOOP _Pragma("GCC unroll 1")
+#endif
+
 /* *least = x < *least ? x : *least, lane by lane. */
 SPH__INLINE void sph__smaller(const sph__v8d *x, sph__v8d *least)
 {
-    const sph__v8d a = *x, b = *least;
-    sph__v8d r;
-    for (size_t l = 0; l < SPH__LANES; ++l) r[l] = a[l] < b[l] ? a[l] : b[l];
-    *least = r;
+    const double *a = (const double *)x;
+    double *b = (double *)least;
+    SPH__LANE_LOOP
+    for (size_t l = 0; l < SPH__LANES; ++l) b[l] = a[l] < b[l] ? a[l] : b[l];
 }
 
 SPH__INLINE void sph__larger(const sph__v8d *x, sph__v8d *most)
 {
-    const sph__v8d a = *x, b = *most;
-    sph__v8d r;
-    for (size_t l = 0; l < SPH__LANES; ++l) r[l] = a[l] > b[l] ? a[l] : b[l];
-    *most = r;
+    const double *a = (const double *)x;
+    double *b = (double *)most;
+    SPH__LANE_LOOP
+    for (size_t l = 0; l < SPH__LANES; ++l) b[l] = a[l] > b[l] ? a[l] : b[l];
 }
 
 SPH__INLINE void sph__fill(double x, sph__v8d *v)
