@@ -17,10 +17,11 @@ SPH__INLINE void sum_angles(const sph__builder *b, uint32_t v, size_t i, sph__v8
 {
     const size_t s = b->stride;
     const float *p = sph__node_center(b, v);
-    *angles = (sph__v8d){0};
+    sph__turn turn;
+    sph__turn_start(&turn);
     for (size_t c = b->cell_starts[v]; c < b->cell_starts[v + 1]; ++c) {
         uint32_t next, previous;
-        sph__v8d e[3] = {{0}}, f[3] = {{0}}, n[3], cosine, sine;
+        sph__v8d e[3] = {{0}}, f[3] = {{0}}, n[3], cosine, sine, size;
         sph__cell_others(b, c, v, &next, &previous);
         subtract(sph__node_center(b, next), p, s, i, e);
         subtract(sph__node_center(b, previous), p, s, i, f);
@@ -30,8 +31,10 @@ SPH__INLINE void sum_angles(const sph__builder *b, uint32_t v, size_t i, sph__v8
         cosine = SPH__DOT(e, f);
         sine = SPH__DOT(n, n);
         sine = sph__root(sine);
-        sph__add_angle(&cosine, &sine, angles);
+        sph__turn_by(&cosine, &sine, &turn);
+        sph__bring_near_one(&turn.x, &turn.y, &size);
     }
+    sph__turn_angle(&turn, angles);
 }
 
 SPH__CLONES static double add_cap(const sph__builder *b, uint32_t v, double weight, float *block)

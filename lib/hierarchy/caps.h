@@ -26,23 +26,78 @@ SPH__INLINE void sph__halve(sph__v8d *t)
     *t = *t / (1.0 + root);
 }
 
-/* Adds the angle of (x, y), y >= 0, in [0, pi]; by halving the angle twice, and then its series, to 1e-9: no library
- * function, so the same bits everywhere. 0 for the zero vector. */
-SPH__INLINE void sph__add_angle(const sph__v8d *x, const sph__v8d *y, sph__v8d *sum)
+/* The angle of (x, y), y >= 0, in [0, pi]; by halving the angle twice, and then its series, to 1e-9: no library function,
+ * so the same bits everywhere. */
+SPH__INLINE void sph__angle_of(const sph__v8d *x, const sph__v8d *y, sph__v8d *angle)
 {
     const sph__v8d zero = {0};
     const sph__v8i behind = sph__greater(zero, *x);
     const sph__v8d size = sph__select(behind, -*x, *x);
     const sph__v8i steep = sph__greater(*y, size);
     const sph__v8d high = sph__select(steep, *y, size), low = sph__select(steep, size, *y);
-    sph__v8d t = sph__select(sph__greater(high, zero), low / high, high), t2, a;
+    sph__v8d t = low / high, t2, a;
     sph__halve(&t);
     sph__halve(&t);
     t2 = t * t;
     a = 4.0 * t *
         (1.0 - t2 * (1.0 / 3 - t2 * (1.0 / 5 - t2 * (1.0 / 7 - t2 * (1.0 / 9 - t2 * (1.0 / 11 - t2 * (1.0 / 13)))))));
     a = sph__select(steep, SPH__HALF_PI - a, a);
-    *sum += sph__select(behind, 2 * SPH__HALF_PI - a, a);
+    *angle = sph__select(behind, 2 * SPH__HALF_PI - a, a);
+}
+
+/*
+ * A sum of angles in [0, pi] without a function for each: the vectors (x, y) that have them, y >= 0, are multiplied as
+ * complex numbers. Whenever that leads below the x axis it is turned back by half a turn, which is counted.
+ */
+typedef struct sph__turn {
+    sph__v8d x, y; /* y >= 0: what is beyond the half-turns */
+    sph__v8i half_turns;
+} sph__turn;
+
+#define SPH__SIGN INT64_MIN
+#define SPH__EXPONENT INT64_C(0x7ff0000000000000)
+
+SPH__INLINE void sph__turn_start(sph__turn *turn)
+{
+    const sph__v8d zero = {0};
+    const sph__v8i none = {0};
+    turn->x = zero + 1.0;
+    turn->y = zero;
+    turn->half_turns = none;
+}
+
+/* To |x| + |y| in [1, 2), by a power of two, and the zero vector to itself; returns |x| + |y| as it was. */
+SPH__INLINE void sph__bring_near_one(sph__v8d *x, sph__v8d *y, sph__v8d *size)
+{
+    sph__v8d scale;
+    *size = (sph__v8d)((sph__v8i)*x & ~SPH__SIGN) + (sph__v8d)((sph__v8i)*y & ~SPH__SIGN);
+    scale = (sph__v8d)(SPH__EXPONENT - (INT64_C(1) << 52) - ((sph__v8i)*size & SPH__EXPONENT));
+    *x *= scale;
+    *y *= scale;
+}
+
+/* Adds the angle of (x, y), y >= 0; 0 for the zero vector. */
+SPH__INLINE void sph__turn_by(const sph__v8d *cosine, const sph__v8d *sine, sph__turn *turn)
+{
+    const sph__v8d zero = {0};
+    sph__v8d c = *cosine, s = *sine, size, x, y;
+    sph__v8i below;
+    sph__bring_near_one(&c, &s, &size);
+    c = sph__select(sph__greater(size, zero), c, zero + 1.0);
+    x = turn->x * c - turn->y * s;
+    y = turn->x * s + turn->y * c;
+    below = (sph__v8i)y & SPH__SIGN;
+    turn->x = (sph__v8d)((sph__v8i)x ^ below);
+    turn->y = (sph__v8d)((sph__v8i)y ^ below);
+    turn->half_turns += (sph__v8i)((sph__v8u)below >> 63);
+}
+
+SPH__INLINE void sph__turn_angle(const sph__turn *turn, sph__v8d *angle)
+{
+    const sph__v8i two_to_52 = ((sph__v8i){0}) + INT64_C(0x4330000000000000);
+    const sph__v8d half_turns = (sph__v8d)(turn->half_turns | two_to_52) - (sph__v8d)two_to_52;
+    sph__angle_of(&turn->x, &turn->y, angle);
+    *angle += 2 * SPH__HALF_PI * half_turns;
 }
 
 /* Adds the cap's plane in eight frames, from the sum of angles and the rows of the quadric without it: its part of W. */

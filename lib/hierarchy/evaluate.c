@@ -17,7 +17,7 @@ static sph__minimum minimize_box(const sph__sums *sums, double u_radius, double 
                           .beta1 = sums->b1 + sums->nu * u_radius,
                           .beta3 = beta + w2 * u_radius,
                           .mu_scale = sums->mu_scale,
-                          .w2_scale = sums->w,
+                          .w2_scale = fmax(sums->w, -w2 / SPH__NOISE_FLOAT), /* W2 >= 0: what is below is noise */
                           .cost_scale = sums->c + 0.5 * sums->bb,
                           .noise = SPH__NOISE_FLOAT};
     const sph__box_minimum found = sph__box_minimize(&box, sums->degenerate != 0, radius_max);

@@ -14,6 +14,7 @@
 typedef float sph__v8f __attribute__((vector_size(32), may_alias));
 typedef double sph__v8d __attribute__((vector_size(64)));
 typedef int64_t sph__v8i __attribute__((vector_size(64)));
+typedef uint64_t sph__v8u __attribute__((vector_size(64)));
 
 #define SPH__INLINE static inline __attribute__((always_inline))
 

@@ -4,7 +4,7 @@
 #include "hierarchy/single.h"
 
 /* Triangles whose planes are added in one pass over the frames. */
-enum { FAN = 16 };
+enum { FAN = 16, LINE = 16, AHEAD = 48 };
 
 /* The triangles of a fan: the rows of v, and of the two other corners of each. */
 typedef struct fan {
@@ -16,9 +16,14 @@ typedef struct fan {
     double cap_weight;    /* above 0: these are all triangles, and their angles make a cap */
 } fan;
 
-/* The plane of one triangle (p, q, r) in eight frames, added to a leaf's quadric at the precision it is kept with. */
-SPH__INLINE void add_plane(const fan *f, size_t t, size_t s, size_t i, sph__v8f sums[SPH__LEAF_ROWS], sph__v8d *total,
-                           sph__v8d *angles)
+/* Eight frames of a leaf's quadric while it is made: its rows, its W, and the angles of its triangles. */
+typedef struct leaf_sums {
+    sph__v8d rows[SPH__LEAF_ROWS], w;
+    sph__turn angles;
+} leaf_sums;
+
+/* Adds the plane of one triangle (p, q, r). */
+SPH__INLINE void add_plane(const fan *f, size_t t, size_t s, size_t i, leaf_sums *sums)
 {
     const float *p = f->center, *q = f->corners[t][0], *r = f->corners[t][1];
     const sph__v8d px = sph__load(p, i), py = sph__load(p, s + i), pz = sph__load(p, 2 * s + i);
@@ -27,47 +32,63 @@ SPH__INLINE void add_plane(const fan *f, size_t t, size_t s, size_t i, sph__v8f 
     const sph__v8d nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
     const sph__v8d squared = nx * nx + ny * ny + nz * nz;
     const sph__v8d zero = {0};
-    sph__v8d length, scale, w = zero;
+    sph__v8d length, scale, w = zero, x, y, z;
     length = sph__root(squared);
     w += f->weight;
     if (f->weights != NULL) w *= sph__load(f->weights, i);
     /* w = weight * area: N = 2 w n = weight' * (length / 2) n, and 2 * area / 3 = length / 3 */
     scale = sph__select(sph__greater(squared, zero), w / length, squared - squared);
-    *total += w * length;
-#define add(row, x) sums[row] = sph__narrow(sph__widen(sums[row]) + (x))
-    add(SPH__M00, scale * nx * nx);
-    add(SPH__M01, scale * nx * ny);
-    add(SPH__M02, scale * nx * nz);
-    add(SPH__M11, scale * ny * ny);
-    add(SPH__M12, scale * ny * nz);
-    add(SPH__M22, scale * nz * nz);
-    add(SPH__N0, w * nx);
-    add(SPH__N1, w * ny);
-    add(SPH__N2, w * nz);
-#undef add
+    x = scale * nx;
+    y = scale * ny;
+    z = scale * nz;
+    sums->w += w * length;
+    sums->rows[SPH__M00] += x * nx;
+    sums->rows[SPH__M01] += x * ny;
+    sums->rows[SPH__M02] += x * nz;
+    sums->rows[SPH__M11] += y * ny;
+    sums->rows[SPH__M12] += y * nz;
+    sums->rows[SPH__M22] += z * nz;
+    sums->rows[SPH__N0] += w * nx;
+    sums->rows[SPH__N1] += w * ny;
+    sums->rows[SPH__N2] += w * nz;
     if (f->cap_weight > 0) {
         const sph__v8d cosine = ex * fx + ey * fy + ez * fz;
-        sph__add_angle(&cosine, &length, angles);
+        sph__turn_by(&cosine, &length, &sums->angles);
     }
 }
 
-/* Adds the planes of a fan to the leaf rows of a block of `rows` rows; the sum over frames of each one's W, and at the end
- * of the cap's, into `w`, lane by lane. */
-SPH__CLONES static void add_fan(const fan *f, size_t s, size_t rows, bool first, float *block, double (*w)[SPH__LANES])
+/* Asks for a line of all rows of a fan. */
+SPH__INLINE void ask_for_rows(const fan *f, size_t s, size_t i)
 {
-    sph__v8d totals[FAN + 1] = {{0}};
+    for (size_t k = 0; k < 3; ++k) __builtin_prefetch(f->center + k * s + i);
+    for (size_t t = 0; t < f->count; ++t)
+        for (size_t k = 0; k < 6; ++k) __builtin_prefetch(f->corners[t][k / 3] + k % 3 * s + i);
+}
+
+/* Adds the planes of a fan, and at the end its cap, to the leaf rows of a block of `rows` rows; the sum over frames of their
+ * W into `w`, lane by lane. */
+SPH__CLONES static void add_fan(const fan *f, size_t s, size_t rows, bool first, float *block, double w[SPH__LANES])
+{
+    sph__v8d total = {0};
+    for (size_t i = 0; i < s && i < AHEAD; i += LINE) ask_for_rows(f, s, i);
     for (size_t i = 0; i < s; i += SPH__LANES) {
         float *to = block + i * rows;
-        sph__v8f sums[SPH__LEAF_ROWS] = {{0}};
-        sph__v8d angles = {0};
-        if (!first) memcpy(sums, to, sizeof sums);
-        for (size_t t = 0; t < f->count; ++t) add_plane(f, t, s, i, sums, &totals[t], &angles);
-        memcpy(to, sums, sizeof sums);
-        if (f->cap_weight > 0) sph__add_cap_plane(&angles, f->cap_weight, to, &totals[f->count]);
+        if (i % LINE == 0 && i + AHEAD < s) ask_for_rows(f, s, i + AHEAD);
+        leaf_sums sums = {.w = total};
+        sph__turn_start(&sums.angles);
+        for (size_t k = 0; k < SPH__LEAF_ROWS && !first; ++k) sums.rows[k] = sph__load(to, k * SPH__LANES);
+        for (size_t t = 0; t < f->count; ++t) add_plane(f, t, s, i, &sums);
+        for (size_t k = 0; k < SPH__LEAF_ROWS; ++k) sph__store(to, k * SPH__LANES, sums.rows[k]);
+        total = sums.w;
+        if (f->cap_weight > 0) {
+            sph__v8d angles;
+            sph__turn_angle(&sums.angles, &angles);
+            sph__add_cap_plane(&angles, f->cap_weight, to, &total);
+        }
         if (first && rows > SPH__LEAF_ROWS)
-            memset(to + SPH__LEAF_ROWS * SPH__LANES, 0, (rows - SPH__LEAF_ROWS) * sizeof sums[0]);
+            memset(to + SPH__LEAF_ROWS * SPH__LANES, 0, (rows - SPH__LEAF_ROWS) * SPH__LANES * sizeof *to);
     }
-    memcpy(w, totals, (f->count + 1) * sizeof *totals);
+    memcpy(w, &total, sizeof total);
 }
 
 static double leaf_weight(const sph__builder *b, uint32_t v)
@@ -84,7 +105,7 @@ static double fan_cap_weight(const sph__builder *b, uint32_t v)
 /* The quadric of vertex v into the leaf rows of `block`; returns W. */
 static double make_leaf(const sph__builder *b, uint32_t v, float *block)
 {
-    _Alignas(SPH__ALIGN) double each[FAN + 1][SPH__LANES];
+    _Alignas(SPH__ALIGN) double lanes[SPH__LANES];
     fan f = {.center = sph__node_center(b, v), .weights = b->importance_per_frame ? b->importance + v * b->stride : NULL};
     double w = 0;
     size_t at = b->cell_starts[v];
@@ -98,10 +119,10 @@ static double make_leaf(const sph__builder *b, uint32_t v, float *block)
             f.corners[f.count][0] = sph__node_center(b, next);
             f.corners[f.count][1] = sph__node_center(b, previous);
         }
-        add_fan(&f, b->stride, b->leaf_rows, first, block, each);
-        for (size_t t = 0; t < f.count; ++t) w += sph__sum_doubles(each[t]);
+        add_fan(&f, b->stride, b->leaf_rows, first, block, lanes);
+        w += sph__sum_doubles(lanes);
     } while (at < b->cell_starts[v + 1]);
-    return w + (f.cap_weight > 0 ? sph__sum_doubles(each[f.count]) : sph__add_cap(b, v, block));
+    return f.cap_weight > 0 ? w : w + sph__add_cap(b, v, block);
 }
 
 /* --- a single frame: eight leaves side by side --- */
@@ -135,8 +156,7 @@ static size_t put_cells(const sph__builder *b, leaf_lanes *lanes, size_t lane, s
 }
 
 /* Adds them to the leaf rows. Where a lane has fewer triangles than others, they are points, which add nothing. */
-static size_t add_lanes(leaf_lanes *lanes, bool first, float block[SPH__BLOCK_ROWS][SPH__LANES],
-                        double w[FAN + 1][SPH__LANES])
+static void add_lanes(leaf_lanes *lanes, bool first, float block[SPH__BLOCK_ROWS][SPH__LANES], double w[SPH__LANES])
 {
     fan f = {.center = lanes->center[0], .weight = lanes->weight, .cap_weight = lanes->cap_weight};
     for (size_t l = 0; l < lanes->count; ++l) f.count = lanes->ends[l] > f.count ? lanes->ends[l] : f.count;
@@ -148,26 +168,24 @@ static size_t add_lanes(leaf_lanes *lanes, bool first, float block[SPH__BLOCK_RO
         f.corners[t][1] = lanes->corners[t][1][0];
     }
     add_fan(&f, SPH__LANES, SPH__BLOCK_ROWS, first, block[0], w);
-    return f.count;
 }
 
 static void finish_lanes(const sph__builder *b, leaf_lanes *lanes)
 {
     _Alignas(SPH__ALIGN) float block[SPH__BLOCK_ROWS][SPH__LANES];
-    _Alignas(SPH__ALIGN) double each[FAN + 1][SPH__LANES];
-    const size_t count = lanes->count > 0 ? add_lanes(lanes, true, block, each) : 0;
+    _Alignas(SPH__ALIGN) double each[SPH__LANES], more[SPH__LANES];
+    if (lanes->count > 0) add_lanes(lanes, true, block, each);
     for (size_t l = 0; l < lanes->count; ++l) {
         const uint32_t v = lanes->vertices[l];
         float *rows = sph__single_rows(b, v);
-        double w = 0;
-        size_t at = b->cell_starts[v] + lanes->ends[l], more = count;
-        for (size_t t = 0; t < count; ++t) w += each[t][l];
+        double w = each[l];
+        size_t at = b->cell_starts[v] + lanes->ends[l];
         while (at < b->cell_starts[v + 1]) { /* then it is alone */
             at = put_cells(b, lanes, l, at);
-            more = add_lanes(lanes, false, block, each);
-            for (size_t t = 0; t < more; ++t) w += each[t][l];
+            add_lanes(lanes, false, block, more);
+            w += more[l];
         }
-        b->slots[v].w = w + (lanes->cap_weight > 0 ? each[more][l] : sph__add_cap(b, v, block[0]));
+        b->slots[v].w = lanes->cap_weight > 0 ? w : w + sph__add_cap(b, v, block[0]);
         for (size_t k = 0; k < SPH__BLOCK_ROWS; ++k) rows[k] = block[k][l];
         memcpy(rows + SPH__SINGLE_CENTER, sph__node_center(b, v), 3 * sizeof(float));
         rows[SPH__SINGLE_RADIUS] = 0;

@@ -312,6 +312,8 @@ static void pose(const draft *d, unsigned kind, awkward_options o, unsigned fram
             if (kind == AWKWARD_ONE_POINT) x = (float)frame;
             if (kind == AWKWARD_FLAT) x = d->rest[i][k] * (float)(1 + frame);
             if (kind == AWKWARD_COLLINEAR && k > 0) x = (float)frame * d->rest[i][0];
+            /* no coordinate is so small that a small scale takes digits from it */
+            x = (float)(nearbyint((double)x * 0x1p40) * 0x1p-40);
             xyz[i][k] = (float)((double)x * (o.scale != 0 ? o.scale : 1) + o.shift);
         }
     }
