@@ -13,8 +13,8 @@ static bool inverts_around(const sph__connectivity *mesh, const float *centers, 
         uint32_t x[2];
         sph__triangle_others(mesh, triangles[i], node, x);
         if (x[0] == other || x[1] == other) continue;
-        if (sph__kernel_inversion(centers + x[0] * 3 * stride, centers + x[1] * 3 * stride, centers + node * 3 * stride,
-                                  center, stride) < 0)
+        if (sph__kernel_inverts(centers + x[0] * 3 * stride, centers + x[1] * 3 * stride, centers + node * 3 * stride,
+                                center, stride))
             return true;
     }
     return false;

@@ -77,8 +77,8 @@ void sph__kernel_centers(const sph__region *u, const sph__region *v, size_t stri
 void sph__kernel_unite(const sph__region *u, const sph__region *v, size_t stride, const float *center, double radius,
                        float *block, double *w, double *b, double *c);
 
-/* sum over frames of sqrt(area * area') n.n' of triangle (p, q, old) and (p, q, new). */
-double sph__kernel_inversion(const float *p, const float *q, const float *before, const float *after, size_t stride);
+/* Whether the sum over frames of sqrt(area * area') n.n' of triangle (p, q, before) and (p, q, after) is below zero. */
+bool sph__kernel_inverts(const float *p, const float *q, const float *before, const float *after, size_t stride);
 
 /* Whether that is below zero for one of eight triangles of one frame; p, q, before and after of each. */
 bool sph__kernel_any_inversion(float corners[4][3][SPH__LANES]);

@@ -5,12 +5,11 @@
 #include "hierarchy/kernel.h"
 #include "hierarchy/lanes.h"
 
-/* Eight frames, or eight triangles, of sqrt(area * area') n.n'. */
-SPH__INLINE void add_inversion(const float *p, const float *q, const float *before, const float *after, size_t s,
-                               size_t i, sph__v8d *sum)
+/* The normals, as long as twice the areas, of (p, q, before) and (p, q, after) in eight frames, or of eight triangles. */
+SPH__INLINE void find_normals(const float *p, const float *q, const float *before, const float *after, size_t s, size_t i,
+                              sph__v8d n[3], sph__v8d m[3])
 {
-    const sph__v8d zero = {0};
-    sph__v8d e[3], f[3], g[3], n[3], m[3], dot, squared, root;
+    sph__v8d e[3], f[3], g[3];
     for (size_t k = 0; k < 3; ++k) {
         const sph__v8d o = sph__load(p, k * s + i);
         e[k] = sph__load(q, k * s + i) - o;
@@ -22,39 +21,63 @@ SPH__INLINE void add_inversion(const float *p, const float *q, const float *befo
         n[k] = e[k1] * f[k2] - e[k2] * f[k1];
         m[k] = e[k1] * g[k2] - e[k2] * g[k1];
     }
-    dot = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
-    squared = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
-    /* sqrt(A A') n.n' = (N.N') / (2 sqrt(|N| |N'|)) with N twice the area times the normal */
-    root = sph__root(squared);
-    root = sph__root(root);
-    *sum += sph__select(sph__greater(squared, zero), dot / root, squared - squared);
 }
 
+#define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
+
+/* Below zero in one lane at least. */
+SPH__INLINE bool is_any_negative(const sph__v8d *x)
+{
+    int any = 0;
+    for (size_t l = 0; l < SPH__LANES; ++l) any |= (*x)[l] < 0;
+    return any != 0;
+}
+
+/* Asks for the frames that come so many later. */
+enum { AHEAD = 32 };
+
+/* Whether the two normals are opposed in any frame. */
+SPH__CLONES static bool opposed_clones(const float *p, const float *q, const float *before, const float *after, size_t s)
+{
+    sph__v8d least = {0};
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        sph__v8d n[3], m[3], dot;
+        for (size_t k = 0; k < 3 && i % (2 * SPH__LANES) == 0; ++k) {
+            __builtin_prefetch(p + k * s + i + AHEAD);
+            __builtin_prefetch(q + k * s + i + AHEAD);
+        }
+        find_normals(p, q, before, after, s, i, n, m);
+        dot = DOT(n, m);
+        for (size_t l = 0; l < SPH__LANES; ++l) least[l] = dot[l] < least[l] ? dot[l] : least[l];
+    }
+    return is_any_negative(&least);
+}
+
+/* The sum over frames of sqrt(area * area') n.n' = (N.N') / (2 sqrt(|N| |N'|)), N being twice the area times n. */
 SPH__CLONES static double inversion_clones(const float *p, const float *q, const float *before, const float *after,
                                            size_t s)
 {
+    const sph__v8d zero = {0};
     sph__v8d sum = {0};
-    for (size_t i = 0; i < s; i += SPH__LANES) add_inversion(p, q, before, after, s, i, &sum);
+    for (size_t i = 0; i < s; i += SPH__LANES) {
+        sph__v8d n[3], m[3], squared, root;
+        find_normals(p, q, before, after, s, i, n, m);
+        squared = DOT(n, n) * DOT(m, m);
+        root = sph__root(squared);
+        root = sph__root(root);
+        sum += sph__select(sph__greater(squared, zero), DOT(n, m) / root, squared - squared);
+    }
     return 0.5 * sph__sum(sum);
 }
 
-SPH__CLONES static bool any_inversion_clones(float (*corners)[3][SPH__LANES])
+bool sph__kernel_inverts(const float *p, const float *q, const float *before, const float *after, size_t stride)
 {
-    sph__v8d sum = {0};
-    int any = 0;
-    add_inversion(corners[0][0], corners[1][0], corners[2][0], corners[3][0], SPH__LANES, 0, &sum);
-    for (size_t l = 0; l < SPH__LANES; ++l) any |= sum[l] < 0;
-    return any != 0;
+    return opposed_clones(p, q, before, after, stride) && inversion_clones(p, q, before, after, stride) < 0;
 }
 
 bool sph__kernel_any_inversion(float corners[4][3][SPH__LANES])
 {
-    return any_inversion_clones(corners);
-}
-
-double sph__kernel_inversion(const float *p, const float *q, const float *before, const float *after, size_t stride)
-{
-    return inversion_clones(p, q, before, after, stride);
+    return opposed_clones(corners[0][0], corners[1][0], corners[2][0], corners[3][0], SPH__LANES);
 }
 
 SPH__INLINE void add_volume(const float *o, const float *p, const float *q, const float *r, size_t s, size_t i,
