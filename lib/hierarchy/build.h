@@ -31,8 +31,8 @@ typedef struct sph__candidate {
     uint8_t exact;   /* cost is that of the exact radius bound; else a lower bound of it */
 } sph__candidate;
 
-/* Points of a union whose extents are taken before those of all. */
-enum { SPH__WITNESSES = 4 };
+/* Points of a union whose extents are taken before those of all: of all directions; of some. */
+enum { SPH__WITNESSES = 4, SPH__GUARDS = 8 };
 
 /* What finding the exact width of a union needs. */
 typedef struct sph__extents {
@@ -49,6 +49,7 @@ typedef struct sph__extents {
     double *placed, *placed_vertices; /* [points][3][lanes], and so for the vertices behind them */
     size_t placed_capacity;
     double *witnesses;   /* [SPH__WITNESSES - 1][3][stride]: a few of the points, from the first of them */
+    size_t guards[SPH__GUARDS], guard_count; /* numbers of points */
     double *chunk_least; /* [stride / lanes][direction_stride]: their least extents in each chunk of frames */
     double *chunk_floor; /* [stride / lanes]: the least of these */
 } sph__extents;

@@ -154,7 +154,7 @@ SPH__CLONES static void place_points(const sph__builder *b, const sph__extents *
             const sph__v8d *z = from + 3 * (size_t)place[2];
             for (size_t k = 0; k < 3; ++k) to[3 * p + k] = (x[k] + y[k] + z[k]) * (1.0 / 3.0);
         }
-        at = at + e->spread_stride < count ? at + e->spread_stride : at + e->spread_stride - count;
+        at = sph__next_spread(e, at);
     }
 }
 
@@ -188,174 +188,67 @@ static double least_extent(const sph__builder *b, size_t i, const double extents
     return least;
 }
 
-/* --- a few points first --- */
+/* --- chunks of frames --- */
 
-/* Points that witnesses are chosen from, in the first frame: any will do. */
-enum { SAMPLES = 128 };
+/* Eight frames, and what is placed of them. */
+typedef struct chunk {
+    _Alignas(SPH__ALIGN) double guards[SPH__GUARDS * 3 * SPH__LANES];
+    size_t i;
+    bool guarded, placed;
+} chunk;
 
-typedef struct sample {
-    double points[SAMPLES][3];
-    size_t numbers[SAMPLES], count;
-} sample;
-
-static void take_sample(const sph__builder *b, const sph__extents *e, sample *some)
+/* Whether the guards are as far apart along a direction in all frames. */
+static bool is_guarded(const sph__builder *b, const sph__extents *e, chunk *c, uint32_t direction, double best)
 {
-    const size_t step = e->point_count / (SAMPLES / 2) + 1;
-    some->count = 0;
-    for (size_t p = 0; p < e->point_count; p += step) {
-        const uint32_t *place = e->points[p];
-        const bool two = place[2] == SPH__NO_NODE;
-        const float *x = sph__node_center(b, e->vertices[place[0]]), *y = sph__node_center(b, e->vertices[place[1]]);
-        const float *z = two ? x : sph__node_center(b, e->vertices[place[2]]);
-        const double part = two ? 0.5 : 1.0 / 3, last = two ? 0 : part;
-        for (size_t k = 0; k < 3; ++k)
-            some->points[some->count][k] = part * ((double)x[k * b->stride] + (double)y[k * b->stride]) +
-                                           last * (double)z[k * b->stride];
-        some->numbers[some->count++] = p;
-    }
+    _Alignas(SPH__ALIGN) double extents[SPH__LANES];
+    if (c->placed || e->guard_count == 0) return false;
+    if (!c->guarded) sph__place_guards(b, e, c->i, c->guards);
+    c->guarded = true;
+    chunk_extents(c->guards, e->guard_count, b->directions[direction], best, extents);
+    return least_extent(b, c->i, extents) >= best;
 }
 
-/* Squared distance from `from`; of what is across `axis` where there is one. */
-static double spread_from(const double x[3], const double from[3], const double *axis)
+/* Lowers *best by the extents of all points along a direction. */
+static void follow(const sph__builder *b, sph__extents *e, chunk *c, uint32_t direction, double *best)
 {
-    const double d[3] = {x[0] - from[0], x[1] - from[1], x[2] - from[2]};
-    double c[3];
-    if (axis == NULL) return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    for (unsigned k = 0; k < 3; ++k) c[k] = d[(k + 1) % 3] * axis[(k + 2) % 3] - d[(k + 2) % 3] * axis[(k + 1) % 3];
-    return c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
+    _Alignas(SPH__ALIGN) double extents[SPH__LANES];
+    const double *k = b->directions[direction];
+    size_t thinnest = 0;
+    if (!c->placed) place_points(b, e, c->i, e->placed_vertices, e->placed);
+    c->placed = true;
+    chunk_extents(e->placed, e->point_count, k, *best, extents);
+    for (size_t l = 1; l < SPH__LANES && c->i + l < b->frames; ++l)
+        if (extents[l] < extents[thinnest]) thinnest = l;
+    if (extents[thinnest] < *best) *best = extents[thinnest];
+    sph__add_guards(e, k, thinnest);
 }
 
-/* The one farthest so. */
-static size_t farthest(const sample *some, const double from[3], const double *axis)
-{
-    size_t best = 0;
-    double most = -1;
-    for (size_t i = 0; i < some->count; ++i) {
-        const double spread = spread_from(some->points[i], from, axis);
-        if (spread > most) {
-            most = spread;
-            best = i;
-        }
-    }
-    return best;
-}
-
-/* Far apart in the first frame: the ends of the union, and what is farthest from the line between them. */
-static void choose_witnesses(const sph__builder *b, const sph__extents *e, size_t witnesses[SPH__WITNESSES])
-{
-    sample some;
-    size_t chosen[SPH__WITNESSES];
-    double axis[3];
-    take_sample(b, e, &some);
-    chosen[0] = farthest(&some, some.points[0], NULL);
-    chosen[1] = farthest(&some, some.points[chosen[0]], NULL);
-    for (unsigned k = 0; k < 3; ++k) axis[k] = some.points[chosen[1]][k] - some.points[chosen[0]][k];
-    chosen[2] = farthest(&some, some.points[chosen[1]], axis);
-    chosen[3] = farthest(&some, some.points[chosen[2]], axis);
-    for (size_t i = 0; i < SPH__WITNESSES; ++i) witnesses[i] = some.numbers[chosen[i]];
-}
-
-SPH__INLINE void load_point(const sph__builder *b, const sph__extents *e, size_t p, size_t i, sph__v8d x[3])
-{
-    const uint32_t *place = e->points[p];
-    const float *r0 = sph__node_center(b, e->vertices[place[0]]) + i, *r1 = sph__node_center(b, e->vertices[place[1]]) + i;
-    const size_t s = b->stride;
-    if (place[2] == SPH__NO_NODE) {
-        for (size_t k = 0; k < 3; ++k) x[k] = 0.5 * (sph__load(r0, k * s) + sph__load(r1, k * s));
-    } else {
-        const float *r2 = sph__node_center(b, e->vertices[place[2]]) + i;
-        for (size_t k = 0; k < 3; ++k)
-            x[k] = (sph__load(r0, k * s) + sph__load(r1, k * s) + sph__load(r2, k * s)) * (1.0 / 3.0);
-    }
-}
-
-/* The other witnesses from the first; returns how far they are in any frame, in sums of coordinates. */
-SPH__CLONES static double place_witnesses(const sph__builder *b, const sph__extents *e,
-                                          const size_t witnesses[SPH__WITNESSES], double *rows)
-{
-    const size_t s = b->stride;
-    sph__v8d most = {0};
-    double size = 0;
-    for (size_t i = 0; i < s; i += SPH__LANES) {
-        sph__v8d o[3], x[3];
-        load_point(b, e, witnesses[0], i, o);
-        for (size_t w = 1; w < SPH__WITNESSES; ++w) {
-            load_point(b, e, witnesses[w], i, x);
-            for (size_t k = 0; k < 3; ++k) {
-                const sph__v8d d = x[k] - o[k], back = -d;
-                sph__larger(&back, &most);
-                *(sph__v8d *)(rows + (3 * (w - 1) + k) * s + i) = d;
-                sph__larger(&d, &most);
-            }
-        }
-    }
-    for (size_t l = 0; l < SPH__LANES; ++l) size = most[l] > size ? most[l] : size;
-    return 3 * size;
-}
-
-/* The witnesses' least extents in each chunk of frames, by direction, into chunk_least; of all directions into floors. */
-SPH__CLONES static void witness_extents(const sph__builder *b, const double *rows, double *chunk_least, double *floors)
-{
-    const size_t s = b->stride, ds = b->direction_stride;
-    for (size_t i = 0; i < s; i += SPH__LANES, chunk_least += ds) {
-        const size_t lanes = b->frames - i < SPH__LANES ? b->frames - i : SPH__LANES;
-        sph__v8d least_of_all;
-        sph__fill((double)INFINITY, &least_of_all);
-        for (size_t j = 0; j < ds; j += SPH__LANES) {
-            const double *k = b->direction_rows + j;
-            const sph__v8d k0 = *(const sph__v8d *)k, k1 = *(const sph__v8d *)(k + ds);
-            const sph__v8d k2 = *(const sph__v8d *)(k + 2 * ds);
-            sph__v8d least;
-            sph__fill((double)INFINITY, &least);
-            for (size_t l = 0; l < lanes; ++l) {
-                const double *d = rows + i + l;
-                sph__v8d low = {0}, high = {0}, along;
-                for (size_t w = 0; w < SPH__WITNESSES - 1; ++w) {
-                    along = k0 * d[3 * w * s] + k1 * d[(3 * w + 1) * s] + k2 * d[(3 * w + 2) * s];
-                    sph__smaller(&along, &low);
-                    sph__larger(&along, &high);
-                }
-                high -= low;
-                sph__smaller(&high, &least);
-            }
-            *(sph__v8d *)(chunk_least + j) = least;
-            sph__smaller(&least, &least_of_all);
-        }
-        floors[i / SPH__LANES] = sph__least_lane(&least_of_all);
-    }
-}
-
-/* Lowers *best by the extents in one chunk of frames, where the witnesses leave it open. */
-static void try_chunk(const sph__builder *b, const sph__extents *e, size_t i, double noise, double *best)
+/* Lowers *best by the extents in one chunk of frames, where witnesses and guards leave it open. */
+static void try_chunk(const sph__builder *b, sph__extents *e, size_t i, double noise, double *best)
 {
     const double *least = e->chunk_least + i / SPH__LANES * b->direction_stride;
-    bool placed = false;
+    chunk c;
     if (e->chunk_floor[i / SPH__LANES] > *best * (1 + 1e-9) + noise) return;
+    c.i = i;
+    c.guarded = c.placed = false;
     for (uint32_t j = 0; j < b->direction_count; ++j) {
-        _Alignas(SPH__ALIGN) double extents[SPH__LANES];
-        double found;
-        if (least[j] > *best * (1 + 1e-9) + noise) continue;
-        if (!placed) place_points(b, e, i, e->placed_vertices, e->placed);
-        placed = true;
-        chunk_extents(e->placed, e->point_count, b->directions[j], *best, extents);
-        found = least_extent(b, i, extents);
-        if (found < *best) *best = found;
+        if (least[j] > *best * (1 + 1e-9) + noise || is_guarded(b, e, &c, j, *best)) continue;
+        follow(b, e, &c, j, best);
     }
 }
 
 sph_status sph__union_width(const sph__builder *b, sph__extents *e, const sph__slot *u, const sph__slot *v,
                             double *width)
 {
-    size_t witnesses[SPH__WITNESSES], first = 0;
+    size_t first = 0;
     double noise;
     sph_status status;
     *width = sph__union_width_bound(b, u, v);
     if (b->probe_frames == b->frames) return SPH_OK;
     status = list_points(b, e, u, v);
     if (status != SPH_OK) return status;
-    choose_witnesses(b, e, witnesses);
-    noise = 1e-13 * place_witnesses(b, e, witnesses, e->witnesses); /* more than rounding of extents */
-    witness_extents(b, e->witnesses, e->chunk_least, e->chunk_floor);
+    e->guard_count = 0;
+    noise = sph__place_witnesses(b, e);
     for (size_t i = SPH__LANES; i < b->stride; i += SPH__LANES)
         if (e->chunk_floor[i / SPH__LANES] < e->chunk_floor[first / SPH__LANES]) first = i;
     try_chunk(b, e, first, noise, width);

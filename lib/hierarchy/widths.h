@@ -26,6 +26,20 @@ static inline float *sph__probe_bounds_of(const sph__builder *b, const sph__slot
 #  define SPH__LANE_LOOP _Pragma("GCC unroll 1")
 #endif
 
+/* The points of a union are placed in the order 0, spread_stride, 2 spread_stride ... of their numbers. */
+static inline size_t sph__next_spread(const sph__extents *e, size_t number)
+{
+    number += e->spread_stride;
+    return number < e->point_count ? number : number - e->point_count;
+}
+
+/* Chooses witnesses from the points, and finds their extents; returns how far rounding may move these. */
+double sph__place_witnesses(const sph__builder *b, sph__extents *e);
+/* The points at both ends of direction k, in a lane of the points that are placed, become guards, while there is room. */
+void sph__add_guards(sph__extents *e, const double k[3], size_t lane);
+/* Eight frames of the guards, from i on, as the points are placed. */
+void sph__place_guards(const sph__builder *b, const sph__extents *e, size_t i, double *placed);
+
 /* *least = x < *least ? x : *least, lane by lane. */
 SPH__INLINE void sph__smaller(const sph__v8d *x, sph__v8d *least)
 {
