@@ -26,10 +26,16 @@ _Static_assert(sizeof(void *) != 8 || sizeof(sph__slot) == 64, "a slot is a cach
 
 /* The state of an edge in the queue. */
 typedef struct sph__candidate {
-    double lambda, radius;
-    double width;    /* of the union where it was needed, else 0 */
-    uint8_t exact;   /* cost is that of the exact radius bound; else a lower bound of it */
+    double lambda;
+    float radius;
+    float width; /* of the union where it was needed, or somewhat less, else 0; below 0: its cost is a lower bound */
 } sph__candidate;
+
+/* The cost is that of the exact radius bound. */
+static inline bool sph__is_exact(const sph__candidate *candidate)
+{
+    return candidate->width >= 0;
+}
 
 /* Points of a union whose extents are taken before those of all: of all directions; of some. */
 enum { SPH__WITNESSES = 4, SPH__GUARDS = 8 };

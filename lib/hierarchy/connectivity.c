@@ -65,8 +65,7 @@ static sph_status make_edges(sph__connectivity *c, uint32_t vertex_count, const 
         c->edges = unique > UINT32_MAX - 1 ? NULL : sph__alloc(c->context, unique, sizeof *c->edges);
         if (c->edges != NULL) c->edge_count = (uint32_t)unique;
         for (uint32_t i = 0; i < c->edge_count; ++i) {
-            c->edges[i][0] = (uint32_t)keys[i].item;
-            c->edges[i][1] = (uint32_t)keys[i].key;
+            c->edges[i] = (sph__edge){{(uint32_t)keys[i].item, (uint32_t)keys[i].key}, SPH__NO_COST};
         }
     }
     sph__free(c->context, keys);
@@ -148,10 +147,10 @@ static sph_status list_incidences(sph__connectivity *c, uint32_t vertex_count)
     sph_status status = SPH_OK;
     if (counts == NULL) return sph__fail_memory(c->context);
     for (uint32_t e = 0; e < c->edge_count; ++e)
-        for (unsigned k = 0; k < 2; ++k) ++counts[c->edges[e][k]];
+        for (unsigned k = 0; k < 2; ++k) ++counts[c->edges[e].ends[k]];
     status = sph__lists_lay_out(&c->node_edges, counts, vertex_count);
     for (uint32_t e = 0; e < c->edge_count && status == SPH_OK; ++e)
-        for (unsigned k = 0; k < 2 && status == SPH_OK; ++k) status = sph__list_add(&c->node_edges, c->edges[e][k], e);
+        for (unsigned k = 0; k < 2 && status == SPH_OK; ++k) status = sph__list_add(&c->node_edges, c->edges[e].ends[k], e);
     memset(counts, 0, vertex_count * sizeof *counts);
     for (uint32_t t = 0; t < c->triangle_count; ++t)
         for (unsigned k = 0; k < 3; ++k) ++counts[c->triangles[t][k]];
@@ -270,7 +269,7 @@ static sph_status move_edges(sph__connectivity *c, uint32_t from, uint32_t gone,
             continue;
         }
         c->mark_stamps[x] = w;
-        c->edges[e][c->edges[e][0] == from ? 0 : 1] = w;
+        c->edges[e].ends[c->edges[e].ends[0] == from ? 0 : 1] = w;
         status = sph__list_add(&c->node_edges, w, e);
         if (status != SPH_OK) return status;
     }

@@ -6,10 +6,20 @@
 #include "base/base.h"
 #include "hierarchy/lists.h"
 
+/* What a collapse reads of an edge: its ends, and what collapsing it costs. */
+typedef struct sph__edge {
+    uint32_t ends[2];
+    double cost; /* below 0: it has none, for the following reason */
+} sph__edge;
+
+#define SPH__NO_COST (-1.0)
+#define SPH__REFUSED (-2.0)
+#define SPH__GONE (-3.0)
+
 typedef struct sph__connectivity {
     const sph_context *context;
     bool two_sided; /* triangles of the same corners, wound the other way, are two */
-    uint32_t (*edges)[2];     /* ends; an edge keeps its number when an end is renamed */
+    sph__edge *edges;         /* an edge keeps its number when an end is renamed */
     uint32_t edge_count;      /* at the start; numbers are never reused */
     uint32_t (*triangles)[3]; /* corners in the order of their winding */
     uint32_t triangle_count;
@@ -33,7 +43,8 @@ void sph__connectivity_free(sph__connectivity *c);
 
 static inline uint32_t sph__edge_other(const sph__connectivity *c, uint32_t edge, uint32_t node)
 {
-    return c->edges[edge][0] == node ? c->edges[edge][1] : c->edges[edge][0];
+    const uint32_t *ends = c->edges[edge].ends;
+    return ends[0] == node ? ends[1] : ends[0];
 }
 
 /* Unites u and v into w: the edge (u, v) and what has become double go into `removed`. */

@@ -39,7 +39,7 @@ static sph_status push_around(sph__builder *b, uint32_t node, const sph__guess *
     for (uint32_t i = 0; i < count && status == SPH_OK && !b->single; ++i)
         status = evaluate_new(b, edges[i], node, guess, &b->costs[i]);
     for (uint32_t i = 0; i < count && status == SPH_OK; ++i)
-        status = sph__edge_queue_set(&b->queue, &b->mesh, edges[i], b->costs[i]);
+        sph__edge_queue_set(&b->queue, &b->mesh, edges[i], b->costs[i]);
     return status;
 }
 
@@ -80,7 +80,7 @@ static const float *unite_quadrics(sph__builder *b, uint32_t nu, uint32_t nv, co
     }
     if (guess == NULL) {
         const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
-        sph__kernel_unite(&u, &v, b->stride, b->new_center, (double)(float)candidate->radius, b->new_block, &slot->w,
+        sph__kernel_unite(&u, &v, b->stride, b->new_center, (double)candidate->radius, b->new_block, &slot->w,
                           &slot->b, &slot->c);
         return b->new_block;
     }
@@ -99,7 +99,7 @@ static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint3
     if (h->radii_per_frame)
         memcpy(h->radii + w * b->stride, b->new_radii, b->stride * sizeof(float));
     else
-        h->radii[w] = (float)candidate->radius;
+        h->radii[w] = candidate->radius;
     block = unite_quadrics(b, nu, nv, candidate, guess);
     if (su->c < 0) su->c = 0;
     b->live_cost += su->c;
@@ -144,7 +144,8 @@ static sph_status collapse(sph__builder *b, uint32_t u, uint32_t v, const sph__c
     record_collapse(b, u, v, w, forced);
     status = sph__births_add(&b->births, &b->mesh, w);
     if (status == SPH_OK) status = push_around(b, w, guess);
-    return status == SPH_OK ? sph__edge_queue_readmit(&b->queue, &b->mesh, w) : status;
+    if (status == SPH_OK) sph__edge_queue_readmit(&b->queue, &b->mesh, w);
+    return status;
 }
 
 /* The exact cost of an edge that is on top of the queue. */
@@ -163,34 +164,29 @@ static sph_status make_exact(sph__builder *b, uint32_t edge, double *cost)
     sph__edge_ends(&b->mesh, edge, &u, &v);
     status = sph__union_frame_widths(b, &b->extents, sph__slot_of(b, u), sph__slot_of(b, v), b->union_widths);
     if (status != SPH_OK) return status;
-    b->candidates[edge].exact = 1;
+    b->candidates[edge].width = 0;
     b->exact_edge = edge;
     *cost = sph__per_frame_cost(b, u, v, b->union_widths);
     return SPH_OK;
 }
 
-/* Takes the cheapest edge whose cost is exact off the queue; with an empty queue the cheapest of those refused. */
-static sph_status next_edge(sph__builder *b, uint32_t *edge, double *cost, bool *forced)
+/* Takes the cheapest edge whose cost is exact off the queue; false where it is empty. */
+static sph_status next_edge(sph__builder *b, uint32_t *edge, double *cost, bool *found)
 {
-    for (;;) {
-        sph_status status = SPH_OK;
-        *forced = !sph__heap_top(&b->queue.open, edge);
-        if (*forced) {
-            sph__heap_pop(&b->queue.refused, edge);
-            return SPH_OK;
-        }
-        if (sph__guess_find(b, *edge) == NULL) status = sph__guess_ahead(b);
+    while ((*found = sph__edge_queue_top(&b->queue, &b->mesh, edge))) {
+        sph_status status = sph__guess_find(b, *edge) == NULL ? sph__guess_ahead(b) : SPH_OK;
         if (status != SPH_OK) return status;
-        sph__heap_top(&b->queue.open, edge);
-        *cost = sph__heap_key(&b->queue.open, *edge);
-        if (b->candidates[*edge].exact) {
-            sph__heap_pop(&b->queue.open, edge);
+        *found = sph__edge_queue_top(&b->queue, &b->mesh, edge); /* it may be another now */
+        *cost = b->mesh.edges[*edge].cost;
+        if (sph__is_exact(&b->candidates[*edge])) {
+            sph__edge_queue_take(&b->queue, &b->mesh, *edge);
             return SPH_OK;
         }
         status = make_exact(b, *edge, cost);
-        if (status == SPH_OK) status = sph__heap_set(&b->queue.open, *edge, *cost, sph__edge_tie(&b->mesh, *edge));
         if (status != SPH_OK) return status;
+        sph__edge_queue_set(&b->queue, &b->mesh, *edge, *cost);
     }
+    return SPH_OK;
 }
 
 /* The sphere of an edge whose cost is exact. */
@@ -205,7 +201,7 @@ static sph_status make_sphere(sph__builder *b, uint32_t edge, uint32_t nu, uint3
     }
     if (!b->h->radii_per_frame) {
         const sph__region u = sph__region_of(b, nu), v = sph__region_of(b, nv);
-        sph__kernel_centers(&u, &v, b->stride, b->coherence, candidate->lambda, (double)(float)candidate->radius,
+        sph__kernel_centers(&u, &v, b->stride, b->coherence, candidate->lambda, (double)candidate->radius,
                             b->new_center);
         return SPH_OK;
     }
@@ -218,14 +214,18 @@ static sph_status make_sphere(sph__builder *b, uint32_t edge, uint32_t nu, uint3
     return SPH_OK;
 }
 
-static sph_status step(sph__builder *b)
+/* The next collapse, or refusal; where only refused edges are left the cheapest of them is collapsed. */
+static sph_status step(sph__builder *b, bool *done)
 {
     uint32_t edge = 0, u, v;
-    bool forced, inverts;
+    bool forced, found, inverts;
     double cost = 0;
     const sph__guess *guess;
-    sph_status status = next_edge(b, &edge, &cost, &forced);
+    sph_status status = next_edge(b, &edge, &cost, &found);
     if (status != SPH_OK) return status;
+    forced = !found;
+    *done = forced && !sph__edge_queue_pop_refused(&b->queue, &edge);
+    if (*done) return SPH_OK;
     sph__edge_ends(&b->mesh, edge, &u, &v);
     sph__prefetch_collapse(b, u, v);
     guess = forced ? NULL : sph__guess_find(b, edge);
@@ -255,10 +255,10 @@ sph_status sph__decimate(sph__builder *b)
     /* As often for the same amount of memory that is passed: a host may have to look after it. */
     report_every = b->stride < 1024 ? (uint32_t)(1024 / b->stride) : 1;
     if (report_every > 64) report_every = 64;
-    while (status == SPH_OK && !sph__edge_queue_is_empty(&b->queue)) {
+    for (bool done = false; status == SPH_OK && !done;) {
         if (b->h->collapse_count % report_every == 0)
             status = sph__progress_report(&b->progress, "decimation", (double)b->h->collapse_count / b->n);
-        if (status == SPH_OK) status = step(b);
+        if (status == SPH_OK) status = step(b, &done);
     }
     return status;
 }

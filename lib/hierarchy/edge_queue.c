@@ -1,27 +1,120 @@
 /* SPDX-License-Identifier: MIT */
 #include "hierarchy/edge_queue.h"
 
+#include <math.h>
+
+/* The heap is filled up when it has fewer edges than FEWEST, with one in PART of what is left; of MANY edges or fewer none
+ * waits. The limit is chosen by SAMPLES of the costs. */
+enum { FEWEST = 512, PART = 32, MANY = 1 << 14, SAMPLES = 512 };
+
 void sph__edge_queue_init(sph__edge_queue *queue, sph_context *context)
 {
+    *queue = (sph__edge_queue){.limit = 0};
     sph__heap_init(&queue->open, context);
     sph__heap_init(&queue->refused, context);
-    queue->touched = NULL;
-    queue->touched_capacity = 0;
 }
 
 void sph__edge_queue_free(sph__edge_queue *queue)
 {
     sph__heap_free(&queue->open);
+    sph__free(queue->refused.context, queue->waiting);
     sph__free(queue->refused.context, queue->touched);
-    queue->touched = NULL;
-    queue->touched_capacity = 0;
     sph__heap_free(&queue->refused);
+    sph__edge_queue_init(queue, queue->refused.context);
 }
 
-sph_status sph__edge_queue_set(sph__edge_queue *queue, const sph__connectivity *mesh, uint32_t edge, double cost)
+sph_status sph__edge_queue_reserve(sph__edge_queue *queue, const sph__connectivity *mesh)
 {
-    sph__heap_remove(&queue->refused, edge);
-    return sph__heap_set(&queue->open, edge, cost, sph__edge_tie(mesh, edge));
+    queue->waiting = sph__alloc(queue->open.context, mesh->edge_count, sizeof *queue->waiting);
+    if (queue->waiting == NULL) return sph__fail_memory(queue->open.context);
+    for (uint32_t e = 0; e < mesh->edge_count; ++e) queue->waiting[e] = e;
+    queue->waiting_count = mesh->edge_count;
+    return sph__heap_reserve(&queue->open, mesh->edge_count);
+}
+
+/* Edges of equal cost go by their ends. */
+static uint64_t tie_of(const sph__connectivity *mesh, uint32_t edge)
+{
+    uint32_t u, v;
+    sph__edge_ends(mesh, edge, &u, &v);
+    return (uint64_t)u << 32 | v;
+}
+
+static bool is_refused(const sph__edge *edge)
+{
+    return edge->cost < SPH__NO_COST && edge->cost > SPH__GONE;
+}
+
+void sph__edge_queue_set(sph__edge_queue *queue, sph__connectivity *mesh, uint32_t edge, double cost)
+{
+    const bool sorted = sph__edge_queue_sorts(queue, mesh->edges[edge].cost);
+    if (is_refused(&mesh->edges[edge])) sph__heap_remove(&queue->refused, edge);
+    mesh->edges[edge].cost = cost;
+    if (sph__edge_queue_sorts(queue, cost))
+        (void)sph__heap_set(&queue->open, edge, cost, tie_of(mesh, edge)); /* there is room */
+    else if (sorted)
+        sph__heap_remove(&queue->open, edge);
+}
+
+void sph__edge_queue_take(sph__edge_queue *queue, sph__connectivity *mesh, uint32_t edge)
+{
+    sph__edge_queue_set(queue, mesh, edge, SPH__NO_COST);
+}
+
+/* A cost that about one in PART of the edges that wait are below; infinity where that cannot be told. */
+static double choose_limit(const sph__edge_queue *queue, const sph__connectivity *mesh)
+{
+    sph__keyed samples[SAMPLES];
+    size_t count = 0, at;
+    double least, limit;
+    for (size_t i = 0; i < SAMPLES; ++i) {
+        const double cost = mesh->edges[queue->waiting[i * queue->waiting_count / SAMPLES]].cost;
+        if (!(cost >= queue->limit)) continue;
+        memcpy(&samples[count].key, &cost, sizeof cost); /* in order, as they are not below 0 */
+        samples[count++].item = i;
+    }
+    if (count == 0) return (double)INFINITY;
+    sph__sort(samples, count);
+    memcpy(&least, &samples[0].key, sizeof least);
+    for (at = count / PART; at < count; ++at) {
+        memcpy(&limit, &samples[at].key, sizeof limit);
+        if (limit > least) return limit;
+    }
+    return (double)INFINITY;
+}
+
+/* Drops what is no more from those that wait. */
+static void compact(sph__edge_queue *queue, const sph__connectivity *mesh)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < queue->waiting_count; ++i) {
+        const uint32_t edge = queue->waiting[i];
+        queue->waiting[kept] = edge;
+        kept += !(mesh->edges[edge].cost <= SPH__GONE);
+    }
+    queue->waiting_count = kept;
+}
+
+/* Raises the limit, and puts those below it into the heap. */
+static void fill_up(sph__edge_queue *queue, const sph__connectivity *mesh)
+{
+    const double before = queue->limit;
+    compact(queue, mesh);
+    queue->all = queue->waiting_count <= MANY || isinf(before);
+    queue->limit = queue->all ? (double)INFINITY : choose_limit(queue, mesh);
+    for (size_t i = 0; i < queue->waiting_count; ++i) {
+        const uint32_t edge = queue->waiting[i];
+        const double cost = mesh->edges[edge].cost;
+        if (!sph__edge_queue_sorts(queue, cost) || cost < before) continue;
+        sph__heap_append(&queue->open, edge, cost, tie_of(mesh, edge));
+    }
+    sph__heap_order(&queue->open);
+}
+
+bool sph__edge_queue_top(sph__edge_queue *queue, const sph__connectivity *mesh, uint32_t *edge)
+{
+    while (sph__heap_count(&queue->open) < FEWEST && !queue->all) fill_up(queue, mesh);
+    return sph__heap_top(&queue->open, edge);
 }
 
 static bool touch(sph__edge_queue *queue, uint32_t node)
@@ -34,42 +127,39 @@ static bool touch(sph__edge_queue *queue, uint32_t node)
     return true;
 }
 
-sph_status sph__edge_queue_refuse(sph__edge_queue *queue, const sph__connectivity *mesh, uint32_t edge, double cost)
+sph_status sph__edge_queue_refuse(sph__edge_queue *queue, sph__connectivity *mesh, uint32_t edge, double cost)
 {
-    const uint32_t *ends = mesh->edges[edge];
+    const uint32_t *ends = mesh->edges[edge].ends;
     if (!touch(queue, ends[0]) || !touch(queue, ends[1])) return sph__fail_memory(queue->refused.context);
-    return sph__heap_set(&queue->refused, edge, cost, sph__edge_tie(mesh, edge));
+    mesh->edges[edge].cost = SPH__REFUSED;
+    return sph__heap_set(&queue->refused, edge, cost, tie_of(mesh, edge));
 }
 
-void sph__edge_queue_forget(sph__edge_queue *queue, const sph__connectivity *mesh)
+bool sph__edge_queue_pop_refused(sph__edge_queue *queue, uint32_t *edge)
 {
-    for (size_t i = 0; i < mesh->removed_count; ++i) {
-        sph__heap_remove(&queue->open, mesh->removed[i]);
-        sph__heap_remove(&queue->refused, mesh->removed[i]);
-    }
+    return sph__heap_pop(&queue->refused, edge);
 }
 
-static sph_status readmit_around(sph__edge_queue *queue, const sph__connectivity *mesh, uint32_t node)
+void sph__edge_queue_forget(sph__edge_queue *queue, sph__connectivity *mesh)
+{
+    for (size_t i = 0; i < mesh->removed_count; ++i) sph__edge_queue_set(queue, mesh, mesh->removed[i], SPH__GONE);
+}
+
+static void readmit_around(sph__edge_queue *queue, sph__connectivity *mesh, uint32_t node)
 {
     const uint32_t *edges = sph__list_items(&mesh->node_edges, node);
     const uint32_t count = sph__list_count(&mesh->node_edges, node);
     queue->touched[node] = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        sph_status status;
-        if (!sph__heap_contains(&queue->refused, edges[i])) continue;
-        status = sph__edge_queue_set(queue, mesh, edges[i], sph__heap_key(&queue->refused, edges[i]));
-        if (status != SPH_OK) return status;
-    }
-    return SPH_OK;
+    for (uint32_t i = 0; i < count; ++i)
+        if (is_refused(&mesh->edges[edges[i]]))
+            sph__edge_queue_set(queue, mesh, edges[i], sph__heap_key(&queue->refused, edges[i]));
 }
 
-sph_status sph__edge_queue_readmit(sph__edge_queue *queue, const sph__connectivity *mesh, uint32_t node)
+void sph__edge_queue_readmit(sph__edge_queue *queue, sph__connectivity *mesh, uint32_t node)
 {
-    sph_status status = SPH_OK;
-    if (sph__heap_count(&queue->refused) == 0) return SPH_OK;
-    for (uint32_t i = 0; i < sph__list_count(&mesh->node_edges, node) && status == SPH_OK; ++i) {
+    if (sph__heap_count(&queue->refused) == 0) return;
+    for (uint32_t i = 0; i < sph__list_count(&mesh->node_edges, node); ++i) {
         const uint32_t x = sph__edge_other(mesh, sph__list_items(&mesh->node_edges, node)[i], node);
-        if (x < queue->touched_capacity && queue->touched[x]) status = readmit_around(queue, mesh, x);
+        if (x < queue->touched_capacity && queue->touched[x]) readmit_around(queue, mesh, x);
     }
-    return status;
 }

@@ -42,11 +42,17 @@ sph__minimum sph__sums_minimize(const sph__sums *sums, double u_radius, double r
     return minimize(sums, u_radius, radius_max);
 }
 
+static float round_down(double x)
+{
+    const float near = (float)x;
+    return (double)near > x ? nextafterf(near, 0) : near;
+}
+
 double sph__evaluate_sums(const sph__builder *b, const sph__sums *sums, double u_radius, const sph__slot *su,
                           const sph__slot *sv, sph__candidate *candidate)
 {
     sph__minimum minimum;
-    *candidate = (sph__candidate){.exact = 1};
+    *candidate = (sph__candidate){.width = 0};
     if (b->options.radius_mode == SPH_RADIUS_ZERO) {
         minimum = minimize(sums, u_radius, 0);
     } else {
@@ -55,12 +61,11 @@ double sph__evaluate_sums(const sph__builder *b, const sph__sums *sums, double u
         if (minimum.radius > lower) {
             const double upper = sph__union_width_bound(b, su, sv);
             minimum = minimize(sums, u_radius, b->radius_factor * upper);
-            candidate->exact = b->probe_frames == b->frames; /* then the bound is the width */
-            candidate->width = candidate->exact ? upper : 0;
+            candidate->width = b->probe_frames == b->frames ? round_down(upper) : -1; /* then the bound is the width */
         }
     }
     candidate->lambda = minimum.lambda;
-    candidate->radius = minimum.radius;
+    candidate->radius = (float)minimum.radius;
     return minimum.cost;
 }
 
@@ -78,7 +83,7 @@ double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candi
     sph__region u, v;
     sph__edge_ends(&b->mesh, edge, &nu, &nv);
     if (b->h->radii_per_frame) {
-        *candidate = (sph__candidate){.exact = 0};
+        *candidate = (sph__candidate){.width = -1};
         return sph__per_frame_cost(b, nu, nv, NULL);
     }
     u = sph__region_of(b, nu);
@@ -93,17 +98,18 @@ sph_status sph__evaluate_exactly(const sph__builder *b, sph__extents *extents, u
     sph__region u, v;
     sph__sums sums;
     sph__minimum minimum;
+    double width;
     sph_status status;
     sph__edge_ends(&b->mesh, edge, &nu, &nv);
     u = sph__region_of(b, nu);
     v = sph__region_of(b, nv);
     sph__kernel_sums(&u, &v, b->frames, b->stride, b->coherence, &sums);
-    status = sph__union_width(b, extents, sph__slot_of(b, nu), sph__slot_of(b, nv), &candidate->width);
+    status = sph__union_width(b, extents, sph__slot_of(b, nu), sph__slot_of(b, nv), &width);
     if (status != SPH_OK) return status;
-    minimum = minimize(&sums, u.radius, b->radius_factor * candidate->width);
-    candidate->exact = 1;
+    minimum = minimize(&sums, u.radius, b->radius_factor * width);
+    candidate->width = round_down(width);
     candidate->lambda = minimum.lambda;
-    candidate->radius = minimum.radius;
+    candidate->radius = (float)minimum.radius;
     *cost = minimum.cost;
     return SPH_OK;
 }

@@ -130,7 +130,7 @@ static void evaluate_others(const sph__builder *b, sph__guess *guess, const sph_
 {
     const sph__region w = {.block = guess->block,
                            .center = guess->center,
-                           .radius = (double)(float)guess->candidate.radius,
+                           .radius = (double)guess->candidate.radius,
                            .w = slot->w,
                            .b = slot->b,
                            .c = slot->c};
@@ -145,7 +145,7 @@ static void work_out(sph__builder *b, sph__guess *guess, sph__extents *extents)
     const sph__region u = sph__region_of(b, guess->u), v = sph__region_of(b, guess->v);
     const sph__slot *su = sph__slot_of(b, guess->u), *sv = sph__slot_of(b, guess->v);
     sph__slot *slot = &b->slots[b->n + (size_t)(guess - b->guesses->items)];
-    if (!guess->candidate.exact)
+    if (!sph__is_exact(&guess->candidate))
         guess->status = sph__evaluate_exactly(b, extents, guess->edge, &guess->candidate, &guess->cost);
     if (guess->status != SPH_OK) return;
     if (guess->cost > b->guesses->limit) {
@@ -153,11 +153,11 @@ static void work_out(sph__builder *b, sph__guess *guess, sph__extents *extents)
         return;
     }
     sph__kernel_centers(&u, &v, b->stride, b->coherence, guess->candidate.lambda,
-                        (double)(float)guess->candidate.radius, guess->center);
+                        (double)guess->candidate.radius, guess->center);
     guess->inverts = sph__inverts(b, guess->u, guess->v, guess->center);
     guess->ready = true;
     if (guess->inverts) return;
-    sph__kernel_unite(&u, &v, b->stride, guess->center, (double)(float)guess->candidate.radius, guess->block, &slot->w,
+    sph__kernel_unite(&u, &v, b->stride, guess->center, (double)guess->candidate.radius, guess->block, &slot->w,
                       &slot->b, &slot->c);
     if (slot->c < 0) slot->c = 0;
     sph__copy_widths(b, slot, su);
@@ -220,7 +220,7 @@ static sph_status prepare(sph__builder *b, sph__guess *guess, uint32_t edge)
     guess->all_others = true;
     guess->other_count = 0;
     guess->candidate = b->candidates[edge];
-    guess->cost = sph__heap_key(&b->queue.open, edge);
+    guess->cost = b->mesh.edges[edge].cost;
     sph__edge_ends(&b->mesh, edge, &guess->u, &guess->v);
     g->places[edge] = (uint32_t)(guess - g->items) + 1;
     g->batch[g->batch_count++] = (size_t)(guess - g->items);
@@ -244,12 +244,10 @@ static sph_status put_off(sph__builder *b)
     sph__guesses *g = b->guesses;
     for (size_t i = 0; i < g->batch_count; ++i) {
         sph__guess *guess = &g->items[g->batch[i]];
-        sph_status status;
         if (guess->status != SPH_OK) return sph__fail_memory(b->context);
         if (!guess->far) continue;
         b->candidates[guess->edge] = guess->candidate;
-        status = sph__heap_set(&b->queue.open, guess->edge, guess->cost, sph__edge_tie(&b->mesh, guess->edge));
-        if (status != SPH_OK) return status;
+        sph__edge_queue_set(&b->queue, &b->mesh, guess->edge, guess->cost);
         drop(g, guess);
     }
     return SPH_OK;

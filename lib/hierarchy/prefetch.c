@@ -48,8 +48,7 @@ static void ask_for_simplices(const sph__builder *b, uint32_t node)
     const uint32_t edge_count = sph__list_count(&b->mesh.node_edges, node);
     const uint32_t triangle_count = sph__list_count(&b->mesh.node_triangles, node);
     for (uint32_t i = 0; i < edge_count; ++i) {
-        ask_for(b->mesh.edges[edges[i]]);
-        sph__heap_prefetch_item(&b->queue.open, edges[i]);
+        ask_for(&b->mesh.edges[edges[i]]);
     }
     for (uint32_t i = 0; i < triangle_count; ++i) ask_for(b->mesh.triangles[triangles[i]]);
     ask_for_slot(b, sph__slot_of(b, node));
@@ -64,7 +63,7 @@ static void ask_for_neighbours(const sph__builder *b, uint32_t node)
         ask_for_node(b, x);
         ask_for(&b->mesh.mark_stamps[x]);
         ask_for(&b->candidates[edges[i]]);
-        sph__heap_prefetch_place(&b->queue.open, edges[i]);
+        if (sph__edge_queue_sorts(&b->queue, b->mesh.edges[edges[i]].cost)) sph__heap_prefetch_item(&b->queue.open, edges[i]);
     }
 }
 
@@ -73,13 +72,13 @@ void sph__prefetch_collapse(const sph__builder *b, uint32_t u, uint32_t v)
     const sph__heap_entry *top = b->queue.open.entries;
     const size_t count = sph__heap_count(&b->queue.open);
     for (size_t i = NEAR; i < FAR && i < count; ++i) {
-        ask_for(b->mesh.edges[top[i].item]);
+        ask_for(&b->mesh.edges[top[i].item]);
         ask_for(&b->candidates[top[i].item]);
     }
     for (size_t i = NEXT; i < NEAR && i < count; ++i)
-        for (unsigned k = 0; k < 2; ++k) ask_for_node(b, b->mesh.edges[top[i].item][k]);
+        for (unsigned k = 0; k < 2; ++k) ask_for_node(b, b->mesh.edges[top[i].item].ends[k]);
     for (size_t i = 0; i < NEXT && i < count; ++i)
-        for (unsigned k = 0; k < 2; ++k) ask_for_lists(b, b->mesh.edges[top[i].item][k]);
+        for (unsigned k = 0; k < 2; ++k) ask_for_lists(b, b->mesh.edges[top[i].item].ends[k]);
     ask_for_simplices(b, u);
     ask_for_simplices(b, v);
     ask_for_neighbours(b, u);

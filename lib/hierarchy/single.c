@@ -61,7 +61,7 @@ void sph__single_center(const sph__builder *b, uint32_t u, uint32_t v, const sph
     _Alignas(SPH__ALIGN) float center[3][SPH__LANES];
     sph__lanes lu, lv;
     const sph__region ru = pad_region(b, u, &lu), rv = pad_region(b, v, &lv);
-    sph__kernel_centers(&ru, &rv, SPH__LANES, 0, candidate->lambda, (double)(float)candidate->radius, center[0]);
+    sph__kernel_centers(&ru, &rv, SPH__LANES, 0, candidate->lambda, (double)candidate->radius, center[0]);
     for (size_t k = 0; k < 3; ++k) b->new_center[k] = center[k][0];
 }
 
@@ -72,9 +72,9 @@ void sph__single_unite(const sph__builder *b, uint32_t u, uint32_t v, const sph_
     sph__lanes lu, lv;
     const sph__region ru = pad_region(b, u, &lu), rv = pad_region(b, v, &lv);
     for (size_t k = 0; k < 3; ++k) center[k][0] = b->new_center[k];
-    sph__kernel_unite(&ru, &rv, SPH__LANES, center[0], (double)(float)candidate->radius, block[0], &slot->w, &slot->b,
+    sph__kernel_unite(&ru, &rv, SPH__LANES, center[0], (double)candidate->radius, block[0], &slot->w, &slot->b,
                       &slot->c);
     for (size_t k = 0; k < SPH__BLOCK_ROWS; ++k) slot->block[k] = block[k][0];
     memcpy(slot->block + SPH__SINGLE_CENTER, b->new_center, 3 * sizeof(float));
-    slot->block[SPH__SINGLE_RADIUS] = (float)candidate->radius;
+    slot->block[SPH__SINGLE_RADIUS] = candidate->radius;
 }

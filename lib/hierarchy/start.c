@@ -110,9 +110,8 @@ static sph_status run_wave(walk *w, uint32_t begin, uint32_t end)
     sph__parallel_for(b->context, w->fresh_count, LEAF_GRAIN, fill_range, w);
     sph__parallel_for(b->context, w->edge_count, EDGE_GRAIN, evaluate_range, w);
     b->h->evaluations += w->edge_count;
-    for (size_t i = 0; i < w->edge_count && status == SPH_OK; ++i)
-        status = sph__heap_set(&b->queue.open, w->edges[i], w->costs[i], sph__edge_tie(&b->mesh, w->edges[i]));
-    return status;
+    for (size_t i = 0; i < w->edge_count; ++i) sph__edge_queue_set(&b->queue, &b->mesh, w->edges[i], w->costs[i]);
+    return SPH_OK;
 }
 
 typedef struct edge_range {
@@ -142,7 +141,7 @@ static sph_status fill_single(sph__builder *b)
         for (uint32_t i = 0; i < some; ++i) edges[i] = first + i;
         if (status == SPH_OK) sph__parallel_for(b->context, some, GRAIN, evaluate_single, &range);
         for (uint32_t i = 0; i < some && status == SPH_OK; ++i)
-            status = sph__edge_queue_set(&b->queue, &b->mesh, first + i, costs[i]);
+            sph__edge_queue_set(&b->queue, &b->mesh, first + i, costs[i]);
     }
     b->h->evaluations += count;
     sph__free(b->context, edges);
@@ -168,7 +167,7 @@ sph_status sph__fill_queue(sph__builder *b)
     sph_status status;
     b->candidates = sph__alloc(b->context, b->mesh.edge_count, sizeof *b->candidates);
     if (b->candidates == NULL) return sph__fail_memory(b->context);
-    status = sph__heap_reserve(&b->queue.open, b->mesh.edge_count);
+    status = sph__edge_queue_reserve(&b->queue, &b->mesh);
     if (status == SPH_OK) status = b->single ? fill_single(b) : fill_by_walk(b);
     for (uint32_t v = 0; v < b->n; ++v) b->live_weight += b->slots[v].w;
     return status;

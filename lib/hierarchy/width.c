@@ -95,8 +95,8 @@ void sph__unite_widths(const sph__builder *b, sph__slot *u, const sph__slot *v, 
         const double *other = sph__probes_of(b, v);
         UNITE_INTERVALS(low, other, b->probe_count)
     }
-    if (candidate->exact && candidate->width > 0)
-        u->width = candidate->width;
+    if (candidate->width > 0)
+        u->width = (double)candidate->width;
     else if (v->width > u->width)
         u->width = v->width;
 }

@@ -135,6 +135,18 @@ sph_status sph__heap_set(sph__heap *heap, uint32_t item, double key, uint64_t ti
     return SPH_OK;
 }
 
+void sph__heap_append(sph__heap *heap, uint32_t item, double key, uint64_t tie)
+{
+    heap->ties[item] = tie;
+    put(heap, heap->count++, (sph__heap_entry){.key = key, .item = item});
+}
+
+void sph__heap_order(sph__heap *heap)
+{
+    for (size_t place = heap->count / ARITY + 1; place-- > 0;)
+        if (place < heap->count) sift_down(heap, place, heap->entries[place]);
+}
+
 bool sph__heap_remove(sph__heap *heap, uint32_t item)
 {
     size_t place;

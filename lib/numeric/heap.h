@@ -40,6 +40,9 @@ void sph__heap_clear(sph__heap *heap);
 sph_status sph__heap_reserve(sph__heap *heap, size_t item_count);
 /* Inserts `item`, or changes its key and tie. On failure (out of memory; item UINT32_MAX) the heap is unchanged. */
 sph_status sph__heap_set(sph__heap *heap, uint32_t item, double key, uint64_t tie);
+/* Many at once: items that are not in the heap, below what room was made for; and after the last of them, the order. */
+void sph__heap_append(sph__heap *heap, uint32_t item, double key, uint64_t tie);
+void sph__heap_order(sph__heap *heap);
 /* False if `item` is not in the heap. */
 bool sph__heap_remove(sph__heap *heap, uint32_t item);
 /* The first item into *item, which may be NULL; false, and *item untouched, where the heap is empty. */

@@ -144,23 +144,20 @@ static void evaluate_range(void *argument, size_t begin, size_t end)
     }
 }
 
-static sph_status push_fresh(sph__simplifier *b)
+static void push_fresh(sph__simplifier *b)
 {
     task t = {b, (b->fresh_count + SPH__SIMPLIFY_ROOMS - 1) / SPH__SIMPLIFY_ROOMS};
-    sph_status status = SPH_OK;
-    if (b->fresh_count == 0) return SPH_OK;
+    if (b->fresh_count == 0) return;
     sph__parallel_for(b->context, b->fresh_count, t.grain, evaluate_range, &t);
-    for (size_t i = 0; i < b->fresh_count && status == SPH_OK; ++i)
-        status = sph__edge_queue_set(&b->queue, &b->mesh, b->fresh[i], b->fresh_costs[i]);
+    for (size_t i = 0; i < b->fresh_count; ++i)
+        sph__edge_queue_set(&b->queue, &b->mesh, b->fresh[i], b->fresh_costs[i]);
     b->fresh_count = 0;
-    return status;
 }
 
 static sph_status add_fresh(sph__simplifier *b, uint32_t edge)
 {
     if (is_fixed(b, edge)) { /* it may have been in the queue before one end was united with what is locked */
-        sph__heap_remove(&b->queue.open, edge);
-        sph__heap_remove(&b->queue.refused, edge);
+        sph__edge_queue_take(&b->queue, &b->mesh, edge);
         return SPH_OK;
     }
     if (!sph__reserve(b->context, (void **)&b->fresh, &b->fresh_capacity, b->fresh_count + 1, sizeof *b->fresh) ||
@@ -174,14 +171,15 @@ static sph_status add_fresh(sph__simplifier *b, uint32_t edge)
 static sph_status fill_queue(sph__simplifier *b)
 {
     enum { WAVE = 4096 };
-    sph_status status = sph__heap_reserve(&b->queue.open, b->mesh.edge_count);
+    sph_status status = sph__edge_queue_reserve(&b->queue, &b->mesh);
     for (uint32_t e = 0; e < b->mesh.edge_count && status == SPH_OK; ++e) {
         status = add_fresh(b, e);
         if (status != SPH_OK || (b->fresh_count < WAVE && e + 1 < b->mesh.edge_count)) continue;
         status = sph__progress_report(&b->progress, "evaluation", (double)e / b->mesh.edge_count);
-        if (status == SPH_OK) status = push_fresh(b);
+        if (status == SPH_OK) push_fresh(b);
     }
-    return status == SPH_OK ? push_fresh(b) : status;
+    if (status == SPH_OK) push_fresh(b);
+    return status;
 }
 
 /* Whether the ends have a neighbour in common beyond the triangles that go: the surface would be pinched there. */
@@ -309,17 +307,21 @@ static sph_status collapse(sph__simplifier *b, uint32_t u, uint32_t v, const mer
     if (status == SPH_OK) status = sph__wedges_record(b, w);
     for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_edges, w) && status == SPH_OK; ++i)
         status = add_fresh(b, sph__list_items(&b->mesh.node_edges, w)[i]);
-    if (status == SPH_OK) status = push_fresh(b);
-    return status == SPH_OK ? sph__edge_queue_readmit(&b->queue, &b->mesh, w) : status;
+    if (status != SPH_OK) return status;
+    push_fresh(b);
+    sph__edge_queue_readmit(&b->queue, &b->mesh, w);
+    return SPH_OK;
 }
 
-static sph_status step(sph__simplifier *b)
+static sph_status step(sph__simplifier *b, bool *done)
 {
     const uint32_t w = b->points + b->p->collapse_count;
-    const bool forced = sph__heap_count(&b->queue.open) == 0;
     uint32_t edge = 0, u, v;
+    const bool forced = !sph__edge_queue_top(&b->queue, &b->mesh, &edge);
     merge m;
-    sph__heap_pop(forced ? &b->queue.refused : &b->queue.open, &edge);
+    *done = forced && !sph__edge_queue_pop_refused(&b->queue, &edge);
+    if (*done) return SPH_OK;
+    if (!forced) sph__edge_queue_take(&b->queue, &b->mesh, edge);
     evaluate(b, edge, &b->rooms[0], &m);
     sph__edge_ends(&b->mesh, edge, &u, &v);
     place_merged(b, u, v, w, &m);
@@ -347,10 +349,10 @@ sph_status sph__simplify_decimate(sph__simplifier *b)
     sph__progress_part(&b->progress, 0.25);
     if (status == SPH_OK) status = fill_queue(b);
     sph__progress_part(&b->progress, 0.65);
-    while (status == SPH_OK && !sph__edge_queue_is_empty(&b->queue)) {
+    for (bool done = false; status == SPH_OK && !done;) {
         if (b->p->collapse_count % 64 == 0)
             status = sph__progress_report(&b->progress, "decimation", (double)b->p->collapse_count / b->points);
-        if (status == SPH_OK) status = step(b);
+        if (status == SPH_OK) status = step(b, &done);
     }
     return status;
 }

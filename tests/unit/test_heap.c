@@ -116,6 +116,30 @@ START_TEST(the_first_items_are_those_that_qsort_puts_first)
 }
 END_TEST
 
+START_TEST(items_added_at_once_come_out_in_the_same_order)
+{
+    static entry expected[ITEMS];
+    sph__heap heap;
+    sph__heap_init(&heap, context);
+    ck_assert_int_eq(sph__heap_reserve(&heap, ITEMS), SPH_OK);
+    sph__heap_order(&heap);
+    for (uint32_t i = 0; i < ITEMS; ++i) {
+        expected[i] = random_entry(i);
+        sph__heap_append(&heap, i, expected[i].key, expected[i].tie);
+        if (i % 60 == 1) sph__heap_order(&heap);
+    }
+    sph__heap_order(&heap);
+    qsort(expected, ITEMS, sizeof *expected, compare_entries);
+    for (uint32_t i = 0; i < ITEMS; ++i) {
+        uint32_t item;
+        ck_assert(sph__heap_pop(&heap, &item));
+        ck_assert_uint_eq(item, expected[i].item);
+    }
+    ck_assert_uint_eq(sph__heap_count(&heap), 0);
+    sph__heap_free(&heap);
+}
+END_TEST
+
 START_TEST(any_mixture_of_operations_agrees_with_a_plain_array)
 {
     static entry entries[ITEMS];
@@ -245,6 +269,7 @@ int main(void)
     tcase_add_checked_fixture(tests, setup, teardown);
     tcase_add_test(tests, items_come_out_as_qsort_orders_them);
     tcase_add_test(tests, the_first_items_are_those_that_qsort_puts_first);
+    tcase_add_test(tests, items_added_at_once_come_out_in_the_same_order);
     tcase_add_test(tests, any_mixture_of_operations_agrees_with_a_plain_array);
     tcase_add_test(tests, items_never_seen_are_absent_and_the_last_number_is_refused);
     tcase_add_loop_test(tests, every_allocation_may_fail, 0, 4);
