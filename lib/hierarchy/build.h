@@ -104,7 +104,6 @@ typedef struct sph__builder {
     size_t leaf_hand;        /* where the search for a block to do without goes on */
     uint32_t pin;
     sph__slot *slots;     /* [n], and those of guesses */
-    uint32_t *slot_of;    /* [2 n - 1] */
     float *rows;          /* [n][SPH__SINGLE_ROWS] by slot where there is a single frame; else NULL */
     double *costs;        /* scratch: of a new node's edges */
     size_t cost_capacity;
@@ -205,7 +204,7 @@ double sph__per_frame_unite(sph__builder *b, uint32_t u, uint32_t v);
 
 static inline sph__slot *sph__slot_of(const sph__builder *b, uint32_t node)
 {
-    return &b->slots[b->slot_of[node]];
+    return &b->slots[b->mesh.nodes[node].slot];
 }
 
 /* The cost of an edge with the best bound of the radius that is at hand: exact where the bound does not matter, else a
@@ -217,7 +216,7 @@ double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const 
 /* What will be read soon is asked for, so that one wait serves for all of it: for the collapse of u and v, and of what is
  * next in the queue; for the edges of a new node. */
 void sph__prefetch_collapse(const sph__builder *b, uint32_t u, uint32_t v);
-void sph__prefetch_lists(const sph__builder *b, uint32_t node);
+void sph__prefetch_neighbours(const sph__builder *b, uint32_t node);
 void sph__prefetch_around(const sph__builder *b, uint32_t node);
 
 /* That from the sums. */

@@ -141,24 +141,44 @@ static sph_status make_triangles(sph__connectivity *c, uint32_t vertex_count, co
     return status;
 }
 
+static bool count_item(sph__list *list)
+{
+    if (list->count == SPH__LIST_MOST) return false;
+    ++list->count;
+    return true;
+}
+
+/* Lays out the lists, whose items have been counted: both of a node side by side, which mostly is one cache line. */
+static sph_status lay_out(sph__connectivity *c, uint32_t vertex_count)
+{
+    size_t steps = 0;
+    sph_status status;
+    for (uint32_t v = 0; v < vertex_count; ++v)
+        steps += sph__list_steps(c->nodes[v].edges.count) + sph__list_steps(c->nodes[v].triangles.count);
+    status = sph__lists_init(&c->lists, c->context, steps + steps / 4); /* some will grow */
+    for (uint32_t v = 0; v < vertex_count && status == SPH_OK; ++v) {
+        sph__node *node = &c->nodes[v];
+        const size_t edges = node->edges.count, triangles = node->triangles.count;
+        node->edges.count = node->triangles.count = 0;
+        status = sph__list_reserve(&c->lists, &node->edges, edges);
+        if (status == SPH_OK) status = sph__list_reserve(&c->lists, &node->triangles, triangles);
+    }
+    return status;
+}
+
 static sph_status list_incidences(sph__connectivity *c, uint32_t vertex_count)
 {
-    uint32_t *counts = sph__zalloc(c->context, vertex_count, sizeof *counts);
-    sph_status status = SPH_OK;
-    if (counts == NULL) return sph__fail_memory(c->context);
+    bool fits = true;
+    sph_status status;
     for (uint32_t e = 0; e < c->edge_count; ++e)
-        for (unsigned k = 0; k < 2; ++k) ++counts[c->edges[e].ends[k]];
-    status = sph__lists_lay_out(&c->node_edges, counts, vertex_count);
-    for (uint32_t e = 0; e < c->edge_count && status == SPH_OK; ++e)
-        for (unsigned k = 0; k < 2 && status == SPH_OK; ++k) status = sph__list_add(&c->node_edges, c->edges[e].ends[k], e);
-    memset(counts, 0, vertex_count * sizeof *counts);
+        for (unsigned k = 0; k < 2; ++k) fits &= count_item(&c->nodes[c->edges[e].ends[k]].edges);
     for (uint32_t t = 0; t < c->triangle_count; ++t)
-        for (unsigned k = 0; k < 3; ++k) ++counts[c->triangles[t][k]];
-    if (status == SPH_OK) status = sph__lists_lay_out(&c->node_triangles, counts, vertex_count);
+        for (unsigned k = 0; k < 3; ++k) fits &= count_item(&c->nodes[c->triangles[t][k]].triangles);
+    status = fits ? lay_out(c, vertex_count) : sph__fail_memory(c->context);
+    for (uint32_t e = 0; e < c->edge_count && status == SPH_OK; ++e)
+        for (unsigned k = 0; k < 2; ++k) sph__list_put(&c->lists, &c->nodes[c->edges[e].ends[k]].edges, e);
     for (uint32_t t = 0; t < c->triangle_count && status == SPH_OK; ++t)
-        for (unsigned k = 0; k < 3 && status == SPH_OK; ++k)
-            status = sph__list_add(&c->node_triangles, c->triangles[t][k], t);
-    sph__free(c->context, counts);
+        for (unsigned k = 0; k < 3; ++k) sph__list_put(&c->lists, &c->nodes[c->triangles[t][k]].triangles, t);
     return status;
 }
 
@@ -171,11 +191,9 @@ sph_status sph__connectivity_init(sph__connectivity *c, const sph_context *conte
     *c = (sph__connectivity){.context = context, .two_sided = two_sided};
     status = make_edges(c, vertex_count, triangles, triangle_count, edges, edge_count);
     if (status == SPH_OK) status = make_triangles(c, vertex_count, triangles, triangle_count, numbers);
-    if (status == SPH_OK) status = sph__lists_init(&c->node_edges, context, node_count);
-    if (status == SPH_OK) status = sph__lists_init(&c->node_triangles, context, node_count);
     if (status == SPH_OK) {
-        c->mark_stamps = sph__zalloc(context, node_count, sizeof *c->mark_stamps);
-        if (c->mark_stamps == NULL) status = sph__fail_memory(context);
+        c->nodes = sph__zalloc(context, node_count, sizeof *c->nodes);
+        if (c->nodes == NULL) status = sph__fail_memory(context);
     }
     if (status == SPH_OK) status = list_incidences(c, vertex_count);
     if (status != SPH_OK) sph__connectivity_free(c);
@@ -188,12 +206,78 @@ void sph__connectivity_free(sph__connectivity *c)
     if (context == NULL) return;
     sph__free(context, c->edges);
     sph__free(context, c->triangles);
-    if (c->node_edges.context != NULL) sph__lists_free(&c->node_edges);
-    if (c->node_triangles.context != NULL) sph__lists_free(&c->node_triangles);
+    sph__lists_free(&c->lists);
+    sph__free(context, c->nodes);
     sph__free(context, c->removed);
-    sph__free(context, c->mark_stamps);
     sph__free(context, c->keys);
     *c = (sph__connectivity){0};
+}
+
+/* --- a collapse --- */
+
+/* The lists of u become those of w, with room for what v has. */
+static sph_status take_lists(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
+{
+    sph__node *from = &c->nodes[u], *to = &c->nodes[w];
+    const size_t edges = (size_t)from->edges.count + c->nodes[v].edges.count;
+    const size_t triangles = (size_t)from->triangles.count + c->nodes[v].triangles.count;
+    sph_status status;
+    to->edges = from->edges;
+    to->triangles = from->triangles;
+    from->edges = from->triangles = (sph__list){0};
+    status = sph__list_reserve(&c->lists, &to->edges, edges);
+    if (status == SPH_OK) status = sph__list_reserve(&c->lists, &to->triangles, triangles);
+    if (!sph__reserve(c->context, (void **)&c->removed, &c->removed_capacity, edges, sizeof *c->removed) ||
+        !sph__reserve(c->context, (void **)&c->keys, &c->key_capacity, triangles, sizeof *c->keys))
+        status = sph__fail_memory(c->context);
+    return status;
+}
+
+/* Renames the end `from` of an edge; returns the other. */
+static uint32_t rename_end(sph__edge *edge, uint32_t from, uint32_t to)
+{
+    const unsigned k = edge->ends[0] == from ? 0 : 1;
+    edge->ends[k] = to;
+    return edge->ends[1 - k];
+}
+
+/* The edges of u and v, to w; of those to a neighbour of both that of u stays. */
+static void move_edges(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
+{
+    sph__list *list = &c->nodes[w].edges;
+    uint32_t *items = sph__list_items(&c->lists, list), kept = 0;
+    for (uint32_t i = 0; i < list->count; ++i) {
+        const uint32_t x = rename_end(&c->edges[items[i]], u, w);
+        if (x == v) {
+            c->removed[c->removed_count++] = items[i];
+        } else {
+            c->nodes[x].mark = w;
+            items[kept++] = items[i];
+        }
+    }
+    for (uint32_t i = 0; i < sph__edge_count_of(c, v); ++i) {
+        const uint32_t e = sph__edges_of(c, v)[i], x = rename_end(&c->edges[e], v, w);
+        if (x == w) continue; /* the one that collapses */
+        if (c->nodes[x].mark == w) {
+            c->nodes[x].mark |= SPH__SHARED;
+            __builtin_prefetch(sph__edges_of(c, x));
+            __builtin_prefetch(sph__triangles_of(c, x));
+            c->removed[c->removed_count++] = e;
+        } else {
+            items[kept++] = e;
+        }
+    }
+    list->count = kept;
+    sph__list_drop(&c->lists, &c->nodes[v].edges);
+}
+
+/* Takes what was removed from the lists of the neighbours. */
+static void unlist_edges(sph__connectivity *c, uint32_t w)
+{
+    for (size_t i = 0; i < c->removed_count; ++i) {
+        const uint32_t x = sph__edge_other(c, c->removed[i], w);
+        if (x != w) sph__list_remove(&c->lists, &c->nodes[x].edges, c->removed[i]);
+    }
 }
 
 /* Removes triangle t from the lists of its corners other than those given. */
@@ -201,37 +285,56 @@ static void unlist_triangle(sph__connectivity *c, uint32_t t, uint32_t except1, 
 {
     for (unsigned k = 0; k < 3; ++k) {
         const uint32_t x = c->triangles[t][k];
-        if (x != except1 && x != except2) sph__list_remove(&c->node_triangles, x, t);
+        if (x != except1 && x != except2) sph__list_remove(&c->lists, &c->nodes[x].triangles, t);
     }
 }
 
-/* Moves the triangles of `from` to w; those that also have `gone` vanish. */
-static sph_status move_triangles(sph__connectivity *c, uint32_t from, uint32_t gone, uint32_t w)
+/* Renames the corner `from` of a triangle; false where it has `gone` as well, and vanishes. */
+static bool rename_corner(sph__connectivity *c, uint32_t t, uint32_t from, uint32_t gone, uint32_t w)
 {
-    const uint32_t count = sph__list_count(&c->node_triangles, from);
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t t = sph__list_items(&c->node_triangles, from)[i];
-        uint32_t *corner = c->triangles[t];
-        if (corner[0] == gone || corner[1] == gone || corner[2] == gone) {
-            unlist_triangle(c, t, from, gone);
-            continue;
-        }
-        for (unsigned k = 0; k < 3; ++k)
-            if (corner[k] == from) corner[k] = w;
-        const sph_status status = sph__list_add(&c->node_triangles, w, t);
-        if (status != SPH_OK) return status;
-    }
-    sph__list_drop(&c->node_triangles, from);
-    return SPH_OK;
+    uint32_t *corner = c->triangles[t];
+    if (corner[0] == gone || corner[1] == gone || corner[2] == gone) return false;
+    corner[corner[0] == from ? 0 : corner[1] == from ? 1 : 2] = w;
+    return true;
 }
 
-/* Of triangles of w with the same other corners the first stays. */
-static sph_status unite_triangles(sph__connectivity *c, uint32_t w)
+static void move_triangles(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
 {
-    const uint32_t count = sph__list_count(&c->node_triangles, w);
-    const uint32_t *items = sph__list_items(&c->node_triangles, w);
-    if (!sph__reserve(c->context, (void **)&c->keys, &c->key_capacity, count, sizeof *c->keys))
-        return sph__fail_memory(c->context);
+    sph__list *list = &c->nodes[w].triangles;
+    uint32_t *items = sph__list_items(&c->lists, list), kept = 0;
+    size_t vanished = 0;
+    for (uint32_t i = 0; i < list->count; ++i)
+        if (rename_corner(c, items[i], u, v, w))
+            items[kept++] = items[i];
+        else
+            c->keys[vanished++].item = items[i];
+    for (uint32_t i = 0; i < sph__triangle_count_of(c, v); ++i) {
+        const uint32_t t = sph__triangles_of(c, v)[i];
+        if (rename_corner(c, t, v, u, w)) items[kept++] = t;
+    }
+    list->count = kept;
+    sph__list_drop(&c->lists, &c->nodes[v].triangles);
+    while (vanished-- > 0) unlist_triangle(c, (uint32_t)c->keys[vanished].item, u, v);
+}
+
+/* Triangles of the same corners came from u and from v, so their other corners were neighbours of both. */
+static bool may_be_double(const sph__connectivity *c, uint32_t w)
+{
+    const uint32_t *items = sph__triangles_of(c, w), shared = w | SPH__SHARED;
+    bool any = false;
+    for (uint32_t i = 0; i < sph__triangle_count_of(c, w); ++i) {
+        uint32_t x[2];
+        sph__triangle_others(c, items[i], w, x);
+        any |= c->nodes[x[0]].mark == shared && c->nodes[x[1]].mark == shared;
+    }
+    return any;
+}
+
+/* Of triangles of w with the same other corners the first stays; they come to be in order. */
+static void unite_triangles(sph__connectivity *c, uint32_t w)
+{
+    const uint32_t count = sph__triangle_count_of(c, w);
+    uint32_t *items = sph__triangles_of(c, w), kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t others[2];
         sph__triangle_others(c, items[i], w, others);
@@ -239,52 +342,22 @@ static sph_status unite_triangles(sph__connectivity *c, uint32_t w)
                                   items[i]};
     }
     sph__sort(c->keys, count);
-    for (uint32_t i = 1; i < count; ++i)
-        if (c->keys[i].key == c->keys[i - 1].key) unlist_triangle(c, (uint32_t)c->keys[i].item, w, w);
-    c->node_triangles.lists[w].count = 0;
     for (uint32_t i = 0; i < count; ++i)
         if (i == 0 || c->keys[i].key != c->keys[i - 1].key)
-            c->node_triangles.arena[c->node_triangles.lists[w].offset + c->node_triangles.lists[w].count++] =
-                (uint32_t)c->keys[i].item;
-    return SPH_OK;
-}
-
-static sph_status move_edges(sph__connectivity *c, uint32_t from, uint32_t gone, uint32_t w)
-{
-    const uint32_t count = sph__list_count(&c->node_edges, from);
-    if (!sph__reserve(c->context, (void **)&c->removed, &c->removed_capacity, c->removed_count + count,
-                      sizeof *c->removed))
-        return sph__fail_memory(c->context);
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t e = sph__list_items(&c->node_edges, from)[i];
-        const uint32_t x = sph__edge_other(c, e, from);
-        sph_status status;
-        if (x == gone) {
-            if (from < gone) c->removed[c->removed_count++] = e; /* both ends list it: count it once */
-            continue;
-        }
-        if (c->mark_stamps[x] == w) {
-            sph__list_remove(&c->node_edges, x, e);
-            c->removed[c->removed_count++] = e;
-            continue;
-        }
-        c->mark_stamps[x] = w;
-        c->edges[e].ends[c->edges[e].ends[0] == from ? 0 : 1] = w;
-        status = sph__list_add(&c->node_edges, w, e);
-        if (status != SPH_OK) return status;
-    }
-    sph__list_drop(&c->node_edges, from);
-    return SPH_OK;
+            items[kept++] = (uint32_t)c->keys[i].item;
+        else
+            unlist_triangle(c, (uint32_t)c->keys[i].item, w, w);
+    c->nodes[w].triangles.count = kept;
 }
 
 sph_status sph__connectivity_collapse(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
 {
-    sph_status status;
+    const sph_status status = take_lists(c, u, v, w);
     c->removed_count = 0;
-    status = move_triangles(c, u, v, w);
-    if (status == SPH_OK) status = move_triangles(c, v, u, w);
-    if (status == SPH_OK) status = unite_triangles(c, w);
-    if (status == SPH_OK) status = move_edges(c, u, v, w);
-    if (status == SPH_OK) status = move_edges(c, v, u, w);
-    return status;
+    if (status != SPH_OK) return status;
+    move_edges(c, u, v, w);
+    move_triangles(c, u, v, w);
+    unlist_edges(c, w);
+    if (c->two_sided || may_be_double(c, w)) unite_triangles(c, w);
+    return SPH_OK;
 }

@@ -16,6 +16,15 @@ typedef struct sph__edge {
 #define SPH__REFUSED (-2.0)
 #define SPH__GONE (-3.0)
 
+/* What it reads of a node. */
+typedef struct sph__node {
+    sph__list edges, triangles;
+    uint32_t mark; /* the last new node that has it as a neighbour; SPH__SHARED besides: of both of its parts */
+    uint32_t slot; /* the caller's: where it keeps what it knows of it */
+} sph__node;
+
+#define SPH__SHARED (UINT32_C(1) << 31)
+
 typedef struct sph__connectivity {
     const sph_context *context;
     bool two_sided; /* triangles of the same corners, wound the other way, are two */
@@ -23,10 +32,10 @@ typedef struct sph__connectivity {
     uint32_t edge_count;      /* at the start; numbers are never reused */
     uint32_t (*triangles)[3]; /* corners in the order of their winding */
     uint32_t triangle_count;
-    sph__lists node_edges, node_triangles; /* per node */
-    uint32_t *removed;                     /* edges that the last collapse took away */
+    sph__node *nodes;
+    sph__lists lists;  /* of the nodes */
+    uint32_t *removed; /* edges that the last collapse took away */
     size_t removed_count, removed_capacity;
-    uint32_t *mark_stamps; /* per node: the last new node that has it as a neighbour */
     sph__keyed *keys; /* scratch */
     size_t key_capacity;
 } sph__connectivity;
@@ -40,6 +49,27 @@ sph_status sph__connectivity_init(sph__connectivity *c, const sph_context *conte
                                   const uint32_t *triangles, size_t triangle_count, const uint32_t *edges,
                                   size_t edge_count, bool two_sided, uint32_t *numbers);
 void sph__connectivity_free(sph__connectivity *c);
+
+/* What a node has; valid until the next collapse. */
+static inline uint32_t *sph__edges_of(const sph__connectivity *c, uint32_t node)
+{
+    return sph__list_items(&c->lists, &c->nodes[node].edges);
+}
+
+static inline uint32_t sph__edge_count_of(const sph__connectivity *c, uint32_t node)
+{
+    return c->nodes[node].edges.count;
+}
+
+static inline uint32_t *sph__triangles_of(const sph__connectivity *c, uint32_t node)
+{
+    return sph__list_items(&c->lists, &c->nodes[node].triangles);
+}
+
+static inline uint32_t sph__triangle_count_of(const sph__connectivity *c, uint32_t node)
+{
+    return c->nodes[node].triangles.count;
+}
 
 static inline uint32_t sph__edge_other(const sph__connectivity *c, uint32_t edge, uint32_t node)
 {

@@ -29,8 +29,8 @@ static sph_status evaluate_new(sph__builder *b, uint32_t edge, uint32_t node, co
 /* The edges of a new node, into the queue. */
 static sph_status push_around(sph__builder *b, uint32_t node, const sph__guess *guess)
 {
-    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
-    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    const uint32_t *edges = sph__edges_of(&b->mesh, node);
+    const uint32_t count = sph__edge_count_of(&b->mesh, node);
     sph_status status = SPH_OK;
     b->h->evaluations += count;
     if (!sph__reserve(b->context, (void **)&b->costs, &b->cost_capacity, count, sizeof *b->costs))
@@ -46,7 +46,7 @@ static sph_status push_around(sph__builder *b, uint32_t node, const sph__guess *
 /* The united region's block, to where u or v had theirs, or to a new place. */
 static sph_status unite_blocks(sph__builder *b, uint32_t nu, uint32_t nv, const float *block)
 {
-    const uint32_t u = b->slot_of[nu], v = b->slot_of[nv];
+    const uint32_t u = b->mesh.nodes[nu].slot, v = b->mesh.nodes[nv].slot;
     if (b->single) return SPH_OK;
     if (b->h->radii_per_frame) {
         sph__blocks_give(&b->blocks, v);
@@ -112,7 +112,7 @@ static sph_status unite_regions(sph__builder *b, uint32_t nu, uint32_t nv, uint3
     su->last = sv->last;
     su->count += sv->count;
     su->node = w;
-    b->slot_of[w] = b->slot_of[nu];
+    b->mesh.nodes[w].slot = b->mesh.nodes[nu].slot;
     return unite_blocks(b, nu, nv, block);
 }
 
@@ -233,9 +233,12 @@ static sph_status step(sph__builder *b, bool *done)
         guess = NULL;
         status = make_sphere(b, edge, u, v);
         if (status != SPH_OK) return status;
-        sph__prefetch_lists(b, u);
-        sph__prefetch_lists(b, v);
-        inverts = !forced && sph__inverts(b, u, v, b->new_center);
+        sph__prefetch_neighbours(b, u);
+        sph__prefetch_neighbours(b, v);
+        if (forced)
+            inverts = false;
+        else
+            inverts = b->single ? sph__single_inverts(b, u, v, b->new_center) : sph__inverts(b, u, v, b->new_center);
     }
     if (inverts) return sph__edge_queue_refuse(&b->queue, &b->mesh, edge, cost);
     return collapse(b, u, v, &b->candidates[edge], forced, guess);

@@ -147,8 +147,8 @@ void sph__edge_queue_forget(sph__edge_queue *queue, sph__connectivity *mesh)
 
 static void readmit_around(sph__edge_queue *queue, sph__connectivity *mesh, uint32_t node)
 {
-    const uint32_t *edges = sph__list_items(&mesh->node_edges, node);
-    const uint32_t count = sph__list_count(&mesh->node_edges, node);
+    const uint32_t *edges = sph__edges_of(mesh, node);
+    const uint32_t count = sph__edge_count_of(mesh, node);
     queue->touched[node] = 0;
     for (uint32_t i = 0; i < count; ++i)
         if (is_refused(&mesh->edges[edges[i]]))
@@ -158,8 +158,8 @@ static void readmit_around(sph__edge_queue *queue, sph__connectivity *mesh, uint
 void sph__edge_queue_readmit(sph__edge_queue *queue, sph__connectivity *mesh, uint32_t node)
 {
     if (sph__heap_count(&queue->refused) == 0) return;
-    for (uint32_t i = 0; i < sph__list_count(&mesh->node_edges, node); ++i) {
-        const uint32_t x = sph__edge_other(mesh, sph__list_items(&mesh->node_edges, node)[i], node);
+    for (uint32_t i = 0; i < sph__edge_count_of(mesh, node); ++i) {
+        const uint32_t x = sph__edge_other(mesh, sph__edges_of(mesh, node)[i], node);
         if (x < queue->touched_capacity && queue->touched[x]) readmit_around(queue, mesh, x);
     }
 }

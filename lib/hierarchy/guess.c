@@ -110,9 +110,9 @@ bool sph__guess_cost(const sph__guess *guess, uint32_t other, double *cost, sph_
 
 static void list_others(const sph__builder *b, sph__guess *guess, uint32_t node)
 {
-    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    const uint32_t count = sph__edge_count_of(&b->mesh, node);
     for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t x = sph__edge_other(&b->mesh, sph__list_items(&b->mesh.node_edges, node)[i], node);
+        const uint32_t x = sph__edge_other(&b->mesh, sph__edges_of(&b->mesh, node)[i], node);
         size_t at = 0;
         if (x == guess->u || x == guess->v) continue;
         while (at < guess->other_count && guess->others[at] != x) ++at;

@@ -76,7 +76,6 @@ static sph_status allocate_builder(sph__builder *b)
 {
     size_t block_size;
     b->slots = sph__zalloc(b->context, b->n + (size_t)SPH__GUESS_SLOTS, sizeof *b->slots);
-    b->slot_of = sph__alloc(b->context, 2 * (size_t)b->n - 1, sizeof *b->slot_of);
     b->next_member = sph__alloc(b->context, b->n, sizeof *b->next_member);
     b->leaf_rows = b->h->radii_per_frame || b->single ? SPH__BLOCK_ROWS : SPH__LEAF_ROWS;
     block_size = (SPH__BLOCK_ROWS + (b->h->radii_per_frame ? (size_t)SPH__FRAME_ROWS : 0)) * b->stride;
@@ -87,7 +86,7 @@ static sph_status allocate_builder(sph__builder *b)
     if (b->leaf_rows * b->stride * sizeof(float) <= SMALL_BLOCK) b->block_budget = SIZE_MAX;
     sph__limit_leaves(b);
     sph__edge_queue_init(&b->queue, b->animation->context);
-    if (b->slots == NULL || b->slot_of == NULL || b->next_member == NULL)
+    if (b->slots == NULL || b->next_member == NULL)
         return sph__fail_memory(b->context);
     return SPH_OK;
 }
@@ -113,7 +112,6 @@ static void free_builder(sph__builder *b)
         sph__slabs_free(&b->slabs);
     }
     sph__free(context, b->slots);
-    sph__free(context, b->slot_of);
     sph__free(context, b->rows);
     sph__free(context, b->costs);
     sph__free(context, b->means);

@@ -283,7 +283,7 @@ sph_status sph__make_leaves(sph__builder *b)
     sph_status status = SPH_OK;
     for (uint32_t v = 0; v < b->n; ++v) {
         b->slots[v] = (sph__slot){.node = v, .last = v, .count = 1};
-        b->slot_of[v] = v;
+        b->mesh.nodes[v].slot = v;
         b->next_member[v] = SPH__NO_NODE;
         if (b->h->radii_per_frame)
             memset(b->h->radii + v * b->stride, 0, b->stride * sizeof *b->h->radii);
@@ -363,10 +363,10 @@ void sph__limit_leaves(sph__builder *b)
 
 sph__region sph__region_of(const sph__builder *b, uint32_t node)
 {
-    const sph__slot *slot = &b->slots[b->slot_of[node]];
+    const sph__slot *slot = &b->slots[b->mesh.nodes[node].slot];
     return (sph__region){.block = slot->block,
                          .center = sph__node_center(b, node),
-                         .mean = b->means == NULL ? NULL : b->means + b->slot_of[node] * 4 * b->stride,
+                         .mean = b->means == NULL ? NULL : b->means + b->mesh.nodes[node].slot * 4 * b->stride,
                          .radius = b->h->radii_per_frame ? 0 : (double)b->h->radii[node],
                          .w = slot->w,
                          .b = slot->b,

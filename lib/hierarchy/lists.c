@@ -1,134 +1,79 @@
 /* SPDX-License-Identifier: MIT */
 #include "hierarchy/lists.h"
 
-sph_status sph__lists_init(sph__lists *lists, const sph_context *context, size_t list_count)
+sph_status sph__lists_init(sph__lists *lists, const sph_context *context, size_t steps)
 {
-    *lists = (sph__lists){.context = context, .list_count = list_count};
-    for (size_t i = 0; i < sizeof lists->free_heads / sizeof lists->free_heads[0]; ++i) lists->free_heads[i] = SIZE_MAX;
-    lists->lists = sph__zalloc(context, list_count, sizeof *lists->lists);
+    const size_t size = SPH__LIST_STEP * sizeof *lists->arena;
+    *lists = (sph__lists){.context = context};
+    for (size_t i = 0; i <= SPH__LIST_SIZES; ++i) lists->heads[i] = UINT32_MAX;
     /* Some arena from the start: empty lists have a place in it, and nothing is added to NULL. */
-    if (lists->lists != NULL && sph__reserve(context, (void **)&lists->arena, &lists->capacity, 8, sizeof *lists->arena))
-        return SPH_OK;
-    sph__lists_free(lists);
+    if (sph__reserve(context, (void **)&lists->arena, &lists->capacity, steps + 1, size)) return SPH_OK;
     return sph__fail_memory(context);
 }
 
 void sph__lists_free(sph__lists *lists)
 {
-    sph__free(lists->context, lists->arena);
-    sph__free(lists->context, lists->lists);
+    if (lists->context != NULL) sph__free(lists->context, lists->arena);
     *lists = (sph__lists){0};
 }
 
-/* A free block holds the offset of the next in its first two items. */
-static void set_link(uint32_t *block, size_t next)
+static unsigned size_of(size_t steps)
 {
-    block[0] = (uint32_t)next;
-    block[1] = (uint32_t)((uint64_t)next >> 32);
+    return (unsigned)__builtin_ctzll(steps) + 1;
 }
 
-static size_t get_link(const uint32_t *block)
+/* Free room begins with the place of the next of its size. */
+static sph_status take_room(sph__lists *lists, size_t steps, uint32_t *place)
 {
-    return (size_t)(block[0] | (uint64_t)block[1] << 32);
-}
-
-static unsigned log2_of(uint32_t power)
-{
-    return (unsigned)__builtin_ctz(power);
-}
-
-static sph_status take_block(sph__lists *lists, uint32_t capacity, size_t *offset)
-{
-    size_t *head = &lists->free_heads[log2_of(capacity)];
-    if (*head != SIZE_MAX) {
-        *offset = *head;
-        *head = get_link(lists->arena + *offset);
+    uint32_t *head = &lists->heads[size_of(steps)];
+    if (*head != UINT32_MAX) {
+        *place = *head;
+        *head = lists->arena[(size_t)*place * SPH__LIST_STEP];
         return SPH_OK;
     }
-    if (!sph__reserve(lists->context, (void **)&lists->arena, &lists->capacity, lists->used + capacity,
-                      sizeof *lists->arena))
+    if (lists->used > UINT32_MAX - steps || !sph__reserve(lists->context, (void **)&lists->arena, &lists->capacity,
+                                                          lists->used + steps, SPH__LIST_STEP * sizeof *lists->arena))
         return sph__fail_memory(lists->context);
-    *offset = lists->used;
-    lists->used += capacity;
+    *place = (uint32_t)lists->used;
+    lists->used += steps;
     return SPH_OK;
 }
 
-static void give_block(sph__lists *lists, size_t offset, uint32_t capacity)
+static void give_room(sph__lists *lists, const sph__list *list)
 {
-    size_t *head = &lists->free_heads[log2_of(capacity)];
-    set_link(lists->arena + offset, *head);
-    *head = offset;
+    if (list->size == 0) return;
+    *sph__list_items(lists, list) = lists->heads[list->size];
+    lists->heads[list->size] = list->place;
 }
 
-static uint32_t capacity_for(uint32_t count)
+sph_status sph__list_reserve(sph__lists *lists, sph__list *list, size_t count)
 {
-    uint32_t capacity = 8;
-    while (capacity < count) capacity *= 2;
-    return capacity;
-}
-
-sph_status sph__lists_lay_out(sph__lists *lists, const uint32_t *counts, size_t count)
-{
-    size_t total = lists->used;
-    for (size_t i = 0; i < count; ++i) {
-        if (counts[i] > UINT32_C(1) << 31) return sph__fail_memory(lists->context);
-        if (counts[i] > 0) total += capacity_for(counts[i]);
-    }
-    if (!sph__reserve(lists->context, (void **)&lists->arena, &lists->capacity, total, sizeof *lists->arena))
-        return sph__fail_memory(lists->context);
-    for (size_t i = 0; i < count; ++i) {
-        if (counts[i] == 0) continue;
-        lists->lists[i] = (sph__list){.offset = lists->used, .capacity = capacity_for(counts[i])};
-        lists->used += lists->lists[i].capacity;
-    }
-    return SPH_OK;
-}
-
-sph_status sph__list_reserve(sph__lists *lists, uint32_t list, uint32_t count)
-{
-    sph__list *l = &lists->lists[list];
-    size_t offset = 0;
-    uint32_t capacity;
+    const size_t steps = sph__list_steps(count);
+    sph__list moved = *list;
     sph_status status;
-    if (count <= l->capacity) return SPH_OK;
-    if (count > UINT32_C(1) << 31) return sph__fail_memory(lists->context);
-    capacity = capacity_for(count);
-    status = take_block(lists, capacity, &offset);
+    if (steps == 0 || (list->size > 0 && steps <= (size_t)1 << (list->size - 1))) return SPH_OK;
+    if (count > SPH__LIST_MOST) return sph__fail_memory(lists->context);
+    status = take_room(lists, steps, &moved.place);
     if (status != SPH_OK) return status;
-    if (l->capacity != 0) {
-        memcpy(lists->arena + offset, lists->arena + l->offset, l->count * sizeof *lists->arena);
-        give_block(lists, l->offset, l->capacity);
-    }
-    l->offset = offset;
-    l->capacity = capacity;
+    moved.size = size_of(steps);
+    memcpy(sph__list_items(lists, &moved), sph__list_items(lists, list), list->count * sizeof *lists->arena);
+    give_room(lists, list);
+    *list = moved;
     return SPH_OK;
 }
 
-sph_status sph__list_add(sph__lists *lists, uint32_t list, uint32_t item)
+void sph__list_remove(const sph__lists *lists, sph__list *list, uint32_t item)
 {
-    sph__list *l = &lists->lists[list];
-    if (l->count == l->capacity) {
-        const sph_status status = sph__list_reserve(lists, list, l->count + 1);
-        if (status != SPH_OK) return status;
-    }
-    lists->arena[l->offset + l->count++] = item;
-    return SPH_OK;
-}
-
-void sph__list_remove(sph__lists *lists, uint32_t list, uint32_t item)
-{
-    sph__list *l = &lists->lists[list];
-    uint32_t *items = lists->arena + l->offset;
-    for (uint32_t i = 0; i < l->count; ++i)
+    uint32_t *items = sph__list_items(lists, list);
+    for (uint32_t i = 0; i < list->count; ++i)
         if (items[i] == item) {
-            items[i] = items[--l->count];
+            items[i] = items[--list->count];
             return;
         }
 }
 
-void sph__list_drop(sph__lists *lists, uint32_t list)
+void sph__list_drop(sph__lists *lists, sph__list *list)
 {
-    sph__list *l = &lists->lists[list];
-    if (l->capacity != 0) give_block(lists, l->offset, l->capacity);
-    *l = (sph__list){0};
+    give_room(lists, list);
+    *list = (sph__list){0};
 }

@@ -37,7 +37,7 @@ static double dot(const double x[3], const double y[3])
 
 static void load_frame(const sph__builder *b, uint32_t node, size_t f, frame_quadric *q)
 {
-    float *block = b->slots[b->slot_of[node]].block;
+    float *block = b->slots[b->mesh.nodes[node].slot].block;
     const size_t s = b->stride;
     for (size_t k = 0; k < 6; ++k) q->m[k] = *entry(block, SPH__M00 + k, f);
     for (size_t k = 0; k < 3; ++k) {
@@ -52,7 +52,7 @@ static void load_frame(const sph__builder *b, uint32_t node, size_t f, frame_qua
 static void add_attachment(const sph__builder *b, uint32_t u, uint32_t v, size_t f, frame_quadric *q)
 {
     const size_t s = b->stride;
-    const float *mu = b->means + b->slot_of[u] * 4 * s + f, *mv = b->means + b->slot_of[v] * 4 * s + f;
+    const float *mu = b->means + b->mesh.nodes[u].slot * 4 * s + f, *mv = b->means + b->mesh.nodes[v].slot * 4 * s + f;
     const double au = mu[3 * s], av = mv[3 * s], area = au + av, weight = 2 * b->coherence * area;
     if (!(area > 0)) return;
     for (size_t k = 0; k < 3; ++k) {
@@ -151,7 +151,7 @@ void sph__per_frame_sphere(sph__builder *b, uint32_t u, uint32_t v, const double
 /* The united quadric relative to the sphere in new_center and new_radii, into the block of u; returns its cost. */
 double sph__per_frame_unite(sph__builder *b, uint32_t u, uint32_t v)
 {
-    float *block = b->slots[b->slot_of[u]].block;
+    float *block = b->slots[b->mesh.nodes[u].slot].block;
     const size_t s = b->stride;
     double cost = 0;
     for (size_t f = 0; f < b->frames; ++f) {

@@ -9,6 +9,7 @@
 /* Entries of the queue: the next; its siblings, and their children. */
 enum { NEXT = 1, NEAR = 5, FAR = 21 };
 
+
 static void ask_for(const void *place)
 {
     __builtin_prefetch(place);
@@ -26,27 +27,25 @@ static void ask_for_slot(const sph__builder *b, const sph__slot *slot)
 /* What is at a node's number. */
 static void ask_for_node(const sph__builder *b, uint32_t node)
 {
-    ask_for(&b->slot_of[node]);
-    ask_for(&b->mesh.node_edges.lists[node]);
-    ask_for(&b->mesh.node_triangles.lists[node]);
-    ask_for(sph__node_center(b, node));
+    ask_for(&b->mesh.nodes[node]);
+    if (!b->single) ask_for(sph__node_center(b, node));
 }
 
 /* What that leads to. */
 static void ask_for_lists(const sph__builder *b, uint32_t node)
 {
-    ask_for(sph__list_items(&b->mesh.node_edges, node));
-    ask_for(sph__list_items(&b->mesh.node_triangles, node));
+    ask_for(sph__edges_of(&b->mesh, node));
+    ask_for(sph__triangles_of(&b->mesh, node));
     ask_for(sph__slot_of(b, node));
-    if (b->single) ask_for(sph__single_rows(b, b->slot_of[node]));
+    if (b->single) ask_for(sph__single_rows(b, b->mesh.nodes[node].slot));
 }
 
 static void ask_for_simplices(const sph__builder *b, uint32_t node)
 {
-    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
-    const uint32_t *triangles = sph__list_items(&b->mesh.node_triangles, node);
-    const uint32_t edge_count = sph__list_count(&b->mesh.node_edges, node);
-    const uint32_t triangle_count = sph__list_count(&b->mesh.node_triangles, node);
+    const uint32_t *edges = sph__edges_of(&b->mesh, node);
+    const uint32_t *triangles = sph__triangles_of(&b->mesh, node);
+    const uint32_t edge_count = sph__edge_count_of(&b->mesh, node);
+    const uint32_t triangle_count = sph__triangle_count_of(&b->mesh, node);
     for (uint32_t i = 0; i < edge_count; ++i) {
         ask_for(&b->mesh.edges[edges[i]]);
     }
@@ -56,12 +55,11 @@ static void ask_for_simplices(const sph__builder *b, uint32_t node)
 
 static void ask_for_neighbours(const sph__builder *b, uint32_t node)
 {
-    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
-    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    const uint32_t *edges = sph__edges_of(&b->mesh, node);
+    const uint32_t count = sph__edge_count_of(&b->mesh, node);
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
         ask_for_node(b, x);
-        ask_for(&b->mesh.mark_stamps[x]);
         ask_for(&b->candidates[edges[i]]);
         if (sph__edge_queue_sorts(&b->queue, b->mesh.edges[edges[i]].cost)) sph__heap_prefetch_item(&b->queue.open, edges[i]);
     }
@@ -85,28 +83,27 @@ void sph__prefetch_collapse(const sph__builder *b, uint32_t u, uint32_t v)
     ask_for_neighbours(b, v);
 }
 
-/* The lists of neighbours, for what the collapse takes out of them. */
-void sph__prefetch_lists(const sph__builder *b, uint32_t node)
+/* What is known of the neighbours. */
+void sph__prefetch_neighbours(const sph__builder *b, uint32_t node)
 {
-    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
-    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    const uint32_t *edges = sph__edges_of(&b->mesh, node);
+    const uint32_t count = sph__edge_count_of(&b->mesh, node);
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
-        ask_for(sph__list_items(&b->mesh.node_edges, x));
-        ask_for(sph__list_items(&b->mesh.node_triangles, x));
         ask_for(sph__slot_of(b, x));
+        if (b->single) ask_for(sph__single_rows(b, b->mesh.nodes[x].slot));
     }
 }
 
 void sph__prefetch_around(const sph__builder *b, uint32_t node)
 {
-    const uint32_t *edges = sph__list_items(&b->mesh.node_edges, node);
-    const uint32_t count = sph__list_count(&b->mesh.node_edges, node);
+    const uint32_t *edges = sph__edges_of(&b->mesh, node);
+    const uint32_t count = sph__edge_count_of(&b->mesh, node);
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
         const char *center = (const char *)sph__node_center(b, x);
         ask_for(sph__slot_of(b, x));
-        if (b->single) ask_for(sph__single_rows(b, b->slot_of[x]));
+        if (b->single) ask_for(sph__single_rows(b, b->mesh.nodes[x].slot));
         for (size_t at = 0; at < b->node_floats * sizeof(float) && at < 6 * 64; at += 64) ask_for(center + at);
     }
     for (uint32_t i = 0; i < count; ++i) ask_for_slot(b, sph__slot_of(b, sph__edge_other(&b->mesh, edges[i], node)));

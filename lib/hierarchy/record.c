@@ -16,8 +16,8 @@ static sph_status reserve(sph__births *births, const sph_context *context, uint3
 
 static void add_edges(sph__births *births, const sph__connectivity *mesh, uint32_t node)
 {
-    const uint32_t *edges = sph__list_items(&mesh->node_edges, node);
-    const uint32_t count = sph__list_count(&mesh->node_edges, node);
+    const uint32_t *edges = sph__edges_of(mesh, node);
+    const uint32_t count = sph__edge_count_of(mesh, node);
     size_t kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t other = sph__edge_other(mesh, edges[i], node);
@@ -30,8 +30,8 @@ static void add_edges(sph__births *births, const sph__connectivity *mesh, uint32
 
 static void add_triangles(sph__births *births, const sph__connectivity *mesh, uint32_t node)
 {
-    const uint32_t *triangles = sph__list_items(&mesh->node_triangles, node);
-    const uint32_t count = sph__list_count(&mesh->node_triangles, node);
+    const uint32_t *triangles = sph__triangles_of(mesh, node);
+    const uint32_t count = sph__triangle_count_of(mesh, node);
     size_t kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t others[2];
@@ -48,8 +48,8 @@ static void add_triangles(sph__births *births, const sph__connectivity *mesh, ui
 
 sph_status sph__births_add(sph__births *births, const sph__connectivity *mesh, uint32_t node)
 {
-    const sph_status status = reserve(births, mesh->context, sph__list_count(&mesh->node_edges, node),
-                                      sph__list_count(&mesh->node_triangles, node));
+    const sph_status status = reserve(births, mesh->context, sph__edge_count_of(mesh, node),
+                                      sph__triangle_count_of(mesh, node));
     if (status != SPH_OK) return status;
     add_edges(births, mesh, node);
     add_triangles(births, mesh, node);

@@ -65,6 +65,43 @@ void sph__single_center(const sph__builder *b, uint32_t u, uint32_t v, const sph
     for (size_t k = 0; k < 3; ++k) b->new_center[k] = center[k][0];
 }
 
+static const float *center_of(const sph__builder *b, uint32_t node)
+{
+    return sph__single_rows(b, b->mesh.nodes[node].slot) + SPH__SINGLE_CENTER;
+}
+
+/* The triangles of `node`, eight at once. */
+static bool inverts_around(const sph__builder *b, uint32_t node, uint32_t other, const float *center)
+{
+    const uint32_t *triangles = sph__triangles_of(&b->mesh, node), count = sph__triangle_count_of(&b->mesh, node);
+    _Alignas(SPH__ALIGN) float corners[4][3][SPH__LANES] = {{{0}}}; /* no triangle: a point, which does not turn */
+    const float *own = center_of(b, node);
+    size_t lane = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const float *p, *q;
+        uint32_t x[2];
+        sph__triangle_others(&b->mesh, triangles[i], node, x);
+        if (x[0] == other || x[1] == other) continue;
+        p = center_of(b, x[0]);
+        q = center_of(b, x[1]);
+        for (size_t k = 0; k < 3; ++k) {
+            corners[0][k][lane] = p[k];
+            corners[1][k][lane] = q[k];
+            corners[2][k][lane] = own[k];
+            corners[3][k][lane] = center[k];
+        }
+        if (++lane < SPH__LANES) continue;
+        if (sph__kernel_any_inversion(corners)) return true;
+        lane = 0; /* what stays in the lanes does not turn */
+    }
+    return lane > 0 && sph__kernel_any_inversion(corners);
+}
+
+bool sph__single_inverts(const sph__builder *b, uint32_t u, uint32_t v, const float *center)
+{
+    return inverts_around(b, u, v, center) || inverts_around(b, v, u, center);
+}
+
 void sph__single_unite(const sph__builder *b, uint32_t u, uint32_t v, const sph__candidate *candidate)
 {
     _Alignas(SPH__ALIGN) float block[SPH__BLOCK_ROWS][SPH__LANES], center[3][SPH__LANES] = {{0}};

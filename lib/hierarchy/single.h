@@ -24,6 +24,8 @@ sph_status sph__single_leaves(sph__builder *b);
 void sph__single_evaluate(const sph__builder *b, const uint32_t *edges, size_t count, double *costs);
 /* The united sphere's centre into new_center. */
 void sph__single_center(const sph__builder *b, uint32_t u, uint32_t v, const sph__candidate *candidate);
+/* Whether one of the surviving triangles of u or v turns over when both move to `center`. */
+bool sph__single_inverts(const sph__builder *b, uint32_t u, uint32_t v, const float *center);
 /* The united quadric, relative to that sphere, into the rows of u. */
 void sph__single_unite(const sph__builder *b, uint32_t u, uint32_t v, const sph__candidate *candidate);
 

@@ -42,8 +42,8 @@ static sph_status find_order(walk *w)
         w->order[count++] = seed;
         for (; next < count; ++next) {
             const uint32_t v = w->order[next];
-            for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_edges, v); ++i) {
-                const uint32_t x = sph__edge_other(&b->mesh, sph__list_items(&b->mesh.node_edges, v)[i], v);
+            for (uint32_t i = 0; i < sph__edge_count_of(&b->mesh, v); ++i) {
+                const uint32_t x = sph__edge_other(&b->mesh, sph__edges_of(&b->mesh, v)[i], v);
                 if (w->ranks[x] != SPH__NO_NODE) continue;
                 w->ranks[x] = count;
                 w->order[count++] = x;
@@ -68,13 +68,13 @@ static sph_status hold(walk *w, uint32_t v)
 static sph_status list_edges(walk *w, uint32_t v)
 {
     const sph__builder *b = w->b;
-    const uint32_t count = sph__list_count(&b->mesh.node_edges, v);
+    const uint32_t count = sph__edge_count_of(&b->mesh, v);
     sph_status status = SPH_OK;
     if (!sph__reserve(b->context, (void **)&w->edges, &w->edge_capacity, w->edge_count + count, sizeof *w->edges) ||
         !sph__reserve(b->context, (void **)&w->costs, &w->cost_capacity, w->edge_count + count, sizeof *w->costs))
         return sph__fail_memory(b->context);
     for (uint32_t i = 0; i < count && status == SPH_OK; ++i) {
-        const uint32_t e = sph__list_items(&b->mesh.node_edges, v)[i], x = sph__edge_other(&b->mesh, e, v);
+        const uint32_t e = sph__edges_of(&b->mesh, v)[i], x = sph__edge_other(&b->mesh, e, v);
         if (w->ranks[x] > w->ranks[v]) continue;
         w->edges[w->edge_count++] = e;
         status = hold(w, x);

@@ -185,17 +185,18 @@ static sph_status fill_queue(sph__simplifier *b)
 /* Whether the ends have a neighbour in common beyond the triangles that go: the surface would be pinched there. */
 static bool pinches(sph__simplifier *b, uint32_t u, uint32_t v, uint32_t w)
 {
-    const sph__lists *edges = &b->mesh.node_edges, *triangles = &b->mesh.node_triangles;
+    const uint32_t *u_edges = sph__edges_of(&b->mesh, u), *v_edges = sph__edges_of(&b->mesh, v);
+    const uint32_t *triangles = sph__triangles_of(&b->mesh, u);
     uint32_t shared = 0;
-    for (uint32_t i = 0; i < sph__list_count(edges, u); ++i)
-        b->mesh.mark_stamps[sph__edge_other(&b->mesh, sph__list_items(edges, u)[i], u)] = w;
-    for (uint32_t i = 0; i < sph__list_count(edges, v); ++i)
-        shared += b->mesh.mark_stamps[sph__edge_other(&b->mesh, sph__list_items(edges, v)[i], v)] == w;
-    for (uint32_t i = 0; i < sph__list_count(edges, u); ++i)
-        b->mesh.mark_stamps[sph__edge_other(&b->mesh, sph__list_items(edges, u)[i], u)] = 0;
-    for (uint32_t i = 0; i < sph__list_count(triangles, u) && shared > 0; ++i) {
+    for (uint32_t i = 0; i < sph__edge_count_of(&b->mesh, u); ++i)
+        b->mesh.nodes[sph__edge_other(&b->mesh, u_edges[i], u)].mark = w;
+    for (uint32_t i = 0; i < sph__edge_count_of(&b->mesh, v); ++i)
+        shared += b->mesh.nodes[sph__edge_other(&b->mesh, v_edges[i], v)].mark == w;
+    for (uint32_t i = 0; i < sph__edge_count_of(&b->mesh, u); ++i)
+        b->mesh.nodes[sph__edge_other(&b->mesh, u_edges[i], u)].mark = 0;
+    for (uint32_t i = 0; i < sph__triangle_count_of(&b->mesh, u) && shared > 0; ++i) {
         uint32_t x[2];
-        sph__triangle_others(&b->mesh, sph__list_items(triangles, u)[i], u, x);
+        sph__triangle_others(&b->mesh, triangles[i], u, x);
         shared -= x[0] == v || x[1] == v;
     }
     return shared > 0;
@@ -305,8 +306,8 @@ static sph_status collapse(sph__simplifier *b, uint32_t u, uint32_t v, const mer
     record_level(b, worst, forced);
     status = sph__births_add(&b->births, &b->mesh, w);
     if (status == SPH_OK) status = sph__wedges_record(b, w);
-    for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_edges, w) && status == SPH_OK; ++i)
-        status = add_fresh(b, sph__list_items(&b->mesh.node_edges, w)[i]);
+    for (uint32_t i = 0; i < sph__edge_count_of(&b->mesh, w) && status == SPH_OK; ++i)
+        status = add_fresh(b, sph__edges_of(&b->mesh, w)[i]);
     if (status != SPH_OK) return status;
     push_fresh(b);
     sph__edge_queue_readmit(&b->queue, &b->mesh, w);

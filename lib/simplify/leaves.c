@@ -99,9 +99,9 @@ static uint32_t wedge_at(const sph__simplifier *b, uint32_t t, uint32_t p)
 static bool is_border(const sph__simplifier *b, uint32_t t, unsigned k)
 {
     const uint32_t p = b->mesh.triangles[t][k], q = b->mesh.triangles[t][(k + 1) % 3];
-    const uint32_t *around = sph__list_items(&b->mesh.node_triangles, p);
+    const uint32_t *around = sph__triangles_of(&b->mesh, p);
     uint32_t others = 0;
-    for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_triangles, p); ++i) {
+    for (uint32_t i = 0; i < sph__triangle_count_of(&b->mesh, p); ++i) {
         const uint32_t *corner = b->mesh.triangles[around[i]];
         if (around[i] == t || (corner[0] != q && corner[1] != q && corner[2] != q)) continue;
         ++others;
@@ -158,13 +158,13 @@ static void store(const sph__simplifier *b, uint32_t point, const double *block)
 static void make_leaf(const leaves *l, uint32_t point, double *block)
 {
     const sph__simplifier *b = l->b;
-    const uint32_t *triangles = sph__list_items(&b->mesh.node_triangles, point);
+    const uint32_t *triangles = sph__triangles_of(&b->mesh, point);
     const float *posed = l->posed + point * 3 * b->example_stride;
     double sums[2] = {0, 0};
     const bool pulled = b->o.method == SPH_SIMPLIFY_PULLED_BACK;
     sph__simplify_place(b, point, sph__center_of(b, point));
     memset(block, 0, SPH__QUADRIC_ROWS * b->example_stride * sizeof *block);
-    for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_triangles, point); ++i)
+    for (uint32_t i = 0; i < sph__triangle_count_of(&b->mesh, point); ++i)
         add_triangle(l, triangles[i], point, pulled ? posed : sph__center_of(b, point), block, sums);
     b->costs[point] = b->shown[point] = sums[0];
     b->areas[point] = sums[1];

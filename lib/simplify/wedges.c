@@ -88,16 +88,15 @@ static void unuse(sph__simplifier *b, uint32_t wedge)
 /* The triangles of u, then those of v that are not of u as well. */
 static sph_status list_triangles(sph__simplifier *b, uint32_t u, uint32_t v, size_t *count)
 {
-    const sph__lists *lists = &b->mesh.node_triangles;
-    const size_t most = (size_t)sph__list_count(lists, u) + sph__list_count(lists, v);
+    const size_t most = (size_t)sph__triangle_count_of(&b->mesh, u) + sph__triangle_count_of(&b->mesh, v);
     *count = 0;
     if (!sph__reserve(b->context, (void **)&b->moved, &b->moved_capacity, most + 1, sizeof *b->moved) ||
         !sph__reserve(b->context, (void **)&b->around, &b->around_capacity, most + 1, sizeof *b->around))
         return sph__fail_memory(b->context);
     for (unsigned side = 0; side < 2; ++side) {
         const uint32_t point = side == 0 ? u : v;
-        for (uint32_t i = 0; i < sph__list_count(lists, point); ++i) {
-            const uint32_t t = sph__list_items(lists, point)[i], *corner = b->mesh.triangles[t];
+        for (uint32_t i = 0; i < sph__triangle_count_of(&b->mesh, point); ++i) {
+            const uint32_t t = sph__triangles_of(&b->mesh, point)[i], *corner = b->mesh.triangles[t];
             if (side == 1 && (corner[0] == u || corner[1] == u || corner[2] == u)) continue;
             b->moved[(*count)++] = t;
         }
@@ -141,8 +140,8 @@ sph_status sph__wedges_unite(sph__simplifier *b, uint32_t u, uint32_t v, uint32_
 
 void sph__wedges_settle(sph__simplifier *b, uint32_t w)
 {
-    const uint32_t *alive = sph__list_items(&b->mesh.node_triangles, w);
-    for (uint32_t i = 0; i < sph__list_count(&b->mesh.node_triangles, w); ++i)
+    const uint32_t *alive = sph__triangles_of(&b->mesh, w);
+    for (uint32_t i = 0; i < sph__triangle_count_of(&b->mesh, w); ++i)
         b->stamps[alive[i]] = w;
     for (size_t i = 0; b->moved[i] != SPH__NO_NODE; ++i) {
         if (b->stamps[b->moved[i]] == w) continue;
