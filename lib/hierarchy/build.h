@@ -79,7 +79,7 @@ typedef struct sph__builder {
     uint32_t *wire;       /* further edges, 2 indices each */
     size_t wire_count;
     size_t *cell_starts;  /* [n + 1] into vertex_cells */
-    uint32_t *vertex_cells; /* cells around each vertex */
+    uint32_t (*vertex_cells)[2]; /* of the cells around each vertex the other corners, in the order of the winding */
     float *importance;    /* [n], or [n][stride] where importance_per_frame; NULL: 1 */
     int importance_per_frame;
 
@@ -130,15 +130,6 @@ static inline float *sph__node_center(const sph__builder *b, uint32_t node)
 
 /* Around a vertex of more triangles they count as not closed: finding out would take the square of their number. */
 enum { SPH__FAN_LIMIT = 1024 };
-
-/* The other corners of the cell at place `at` of vertex_cells, v's, in the order of its winding. */
-static inline void sph__cell_others(const sph__builder *b, size_t at, uint32_t v, uint32_t *next, uint32_t *previous)
-{
-    const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[at];
-    const unsigned k = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
-    *next = corner[(k + 1) % 3];
-    *previous = corner[(k + 2) % 3];
-}
 
 /* Steps, in order. */
 sph_status sph__load_frames(sph__builder *b); /* ends with sph__normalise_size */

@@ -20,11 +20,10 @@ SPH__INLINE void sum_angles(const sph__builder *b, uint32_t v, size_t i, sph__v8
     sph__turn turn;
     sph__turn_start(&turn);
     for (size_t c = b->cell_starts[v]; c < b->cell_starts[v + 1]; ++c) {
-        uint32_t next, previous;
+        const uint32_t *others = b->vertex_cells[c];
         sph__v8d e[3] = {{0}}, f[3] = {{0}}, n[3], cosine, sine, size;
-        sph__cell_others(b, c, v, &next, &previous);
-        subtract(sph__node_center(b, next), p, s, i, e);
-        subtract(sph__node_center(b, previous), p, s, i, f);
+        subtract(sph__node_center(b, others[0]), p, s, i, e);
+        subtract(sph__node_center(b, others[1]), p, s, i, f);
         n[0] = e[1] * f[2] - e[2] * f[1];
         n[1] = e[2] * f[0] - e[0] * f[2];
         n[2] = e[0] * f[1] - e[1] * f[0];

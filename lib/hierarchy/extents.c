@@ -65,11 +65,8 @@ static bool add_cell(const sph__builder *b, sph__extents *e, uint32_t v)
     own = place_of(e, v);
     add_point(e, own, own, SPH__NO_NODE);
     for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
-        uint32_t x, y;
-        bool x_inside, y_inside;
-        sph__cell_others(b, i, v, &x, &y);
-        x_inside = e->places[x].member_stamp == e->stamp;
-        y_inside = e->places[y].member_stamp == e->stamp;
+        const uint32_t x = b->vertex_cells[i][0], y = b->vertex_cells[i][1];
+        const bool x_inside = e->places[x].member_stamp == e->stamp, y_inside = e->places[y].member_stamp == e->stamp;
         if (x_inside && y_inside) continue; /* within the hull of the region's vertices */
         if (!x_inside) add_point(e, own, place_of(e, x), SPH__NO_NODE);
         if (!y_inside && b->cell_open[v]) add_point(e, own, place_of(e, y), SPH__NO_NODE);

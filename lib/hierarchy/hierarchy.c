@@ -135,6 +135,8 @@ static sph_status run_steps(sph__builder *b)
     if (status == SPH_OK) status = sph__make_cells(b);
     if (status == SPH_OK)
         status = sph__connectivity_init(&b->mesh, b->context, b->n, b->cells, b->cell_count, b->wire, b->wire_count, false, NULL);
+    sph__free(b->context, b->cells);
+    b->cells = NULL;
     sph__progress_part(&b->progress, 0.05);
     if (status == SPH_OK) status = sph__progress_report(&b->progress, "importance", 0);
     if (status == SPH_OK) status = sph__make_importance(b);

@@ -10,13 +10,8 @@ static bool is_closed_around(const sph__builder *b, uint32_t v)
     const size_t begin = b->cell_starts[v], end = b->cell_starts[v + 1];
     if (begin == end || end - begin > SPH__FAN_LIMIT) return false;
     for (size_t i = begin; i < end; ++i) {
-        uint32_t next, previous, came = 0;
-        sph__cell_others(b, i, v, &next, &previous);
-        for (size_t j = begin; j < end; ++j) {
-            uint32_t other_next, other_previous;
-            sph__cell_others(b, j, v, &other_next, &other_previous);
-            came += other_previous == next;
-        }
+        uint32_t came = 0;
+        for (size_t j = begin; j < end; ++j) came += b->vertex_cells[j][1] == b->vertex_cells[i][0];
         if (came != 1) return false;
     }
     return true;
@@ -34,7 +29,12 @@ static sph_status list_cells(sph__builder *b)
         sum += count;
     }
     for (size_t t = 0; t < b->cell_count; ++t)
-        for (unsigned k = 0; k < 3; ++k) b->vertex_cells[b->cell_starts[b->cells[3 * t + k]]++] = (uint32_t)t;
+        for (unsigned k = 0; k < 3; ++k) {
+            const uint32_t *corner = b->cells + 3 * t;
+            uint32_t *others = b->vertex_cells[b->cell_starts[corner[k]]++];
+            others[0] = corner[(k + 1) % 3];
+            others[1] = corner[(k + 2) % 3];
+        }
     for (size_t v = b->n; v > 0; --v) b->cell_starts[v] = b->cell_starts[v - 1];
     b->cell_starts[0] = 0;
     b->cell_open = sph__alloc(b->context, b->n, sizeof *b->cell_open);

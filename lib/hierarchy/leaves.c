@@ -114,10 +114,8 @@ static double make_leaf(const sph__builder *b, uint32_t v, float *block)
     do {
         const bool first = at == b->cell_starts[v];
         for (f.count = 0; f.count < FAN && at < b->cell_starts[v + 1]; ++f.count, ++at) {
-            uint32_t next, previous;
-            sph__cell_others(b, at, v, &next, &previous);
-            f.corners[f.count][0] = sph__node_center(b, next);
-            f.corners[f.count][1] = sph__node_center(b, previous);
+            f.corners[f.count][0] = sph__node_center(b, b->vertex_cells[at][0]);
+            f.corners[f.count][1] = sph__node_center(b, b->vertex_cells[at][1]);
         }
         add_fan(&f, b->stride, b->leaf_rows, first, block, lanes);
         w += sph__sum_doubles(lanes);
@@ -146,10 +144,8 @@ static size_t put_cells(const sph__builder *b, leaf_lanes *lanes, size_t lane, s
     const uint32_t v = lanes->vertices[lane];
     size_t t = 0;
     for (; t < FAN && at < b->cell_starts[v + 1]; ++t, ++at) {
-        uint32_t next, previous;
-        sph__cell_others(b, at, v, &next, &previous);
-        put_row(sph__node_center(b, next), lane, lanes->corners[t][0]);
-        put_row(sph__node_center(b, previous), lane, lanes->corners[t][1]);
+        put_row(sph__node_center(b, b->vertex_cells[at][0]), lane, lanes->corners[t][0]);
+        put_row(sph__node_center(b, b->vertex_cells[at][1]), lane, lanes->corners[t][1]);
     }
     lanes->ends[lane] = t;
     return at;
@@ -236,13 +232,11 @@ static void make_mean(const sph__builder *b, uint32_t v, float *rows)
     for (size_t f = 0; f < s; ++f) {
         double area = 0;
         for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
-            const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[i];
-            const float *x = sph__node_center(b, corner[0]), *y = sph__node_center(b, corner[1]);
-            const float *z = sph__node_center(b, corner[2]);
+            const float *x = sph__node_center(b, b->vertex_cells[i][0]), *y = sph__node_center(b, b->vertex_cells[i][1]);
             double e[3], g[3], squared = 0;
             for (unsigned k = 0; k < 3; ++k) {
-                e[k] = (double)y[k * s + f] - x[k * s + f];
-                g[k] = (double)z[k * s + f] - x[k * s + f];
+                e[k] = (double)x[k * s + f] - p[k * s + f];
+                g[k] = (double)y[k * s + f] - p[k * s + f];
             }
             for (unsigned k = 0; k < 3; ++k) {
                 const double n = e[(k + 1) % 3] * g[(k + 2) % 3] - e[(k + 2) % 3] * g[(k + 1) % 3];

@@ -162,14 +162,12 @@ static void probe_leaf(const sph__builder *b, uint32_t v, uint32_t frame, double
     load_point(b, v, frame, p);
     memcpy(next_point(&list), p, sizeof p);
     for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
-        const uint32_t *corner = b->cells + 3 * (size_t)b->vertex_cells[i];
-        const unsigned own = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
-        double x[3][3], *middle;
-        for (unsigned c = 0; c < 3; ++c) load_point(b, corner[c], frame, x[c]);
-        add_middle(&list, p, x[(own + 1) % 3]);
-        if (b->cell_open[v]) add_middle(&list, p, x[(own + 2) % 3]);
+        double x[2][3], *middle;
+        for (unsigned c = 0; c < 2; ++c) load_point(b, b->vertex_cells[i][c], frame, x[c]);
+        add_middle(&list, p, x[0]);
+        if (b->cell_open[v]) add_middle(&list, p, x[1]);
         middle = next_point(&list);
-        for (unsigned k = 0; k < 3; ++k) middle[k] = (x[0][k] + x[1][k] + x[2][k]) * (1.0 / 3.0);
+        for (unsigned k = 0; k < 3; ++k) middle[k] = (p[k] + x[0][k] + x[1][k]) * (1.0 / 3.0);
     }
     widen_probes(&list);
 }
