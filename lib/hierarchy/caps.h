@@ -19,30 +19,28 @@
 
 #define SPH__DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
 
-/* The tangent of half the angle whose tangent is *t. */
-SPH__INLINE void sph__halve(sph__v8d *t)
-{
-    const sph__v8d square = 1.0 + *t * *t, root = sph__root(square);
-    *t = *t / (1.0 + root);
-}
+#define SPH__TAN_PI_16 0.19891236737965800
+#define SPH__TAN_PI_8 0.41421356237309505
+#define SPH__TAN_3_PI_16 0.66817863791929891
 
-/* The angle of (x, y), y >= 0, in [0, pi]; by halving the angle twice, and then its series, to 1e-9: no library function,
- * so the same bits everywhere. */
+/* The angle of (x, y), y >= 0, in [0, pi]: that to the nearest of 0, pi/8 and pi/4 by its series, to 1e-10; no library
+ * function, so the same bits everywhere. */
 SPH__INLINE void sph__angle_of(const sph__v8d *x, const sph__v8d *y, sph__v8d *angle)
 {
     const sph__v8d zero = {0};
-    const sph__v8i behind = sph__greater(zero, *x);
-    const sph__v8d size = sph__select(behind, -*x, *x);
-    const sph__v8i steep = sph__greater(*y, size);
-    const sph__v8d high = sph__select(steep, *y, size), low = sph__select(steep, size, *y);
-    sph__v8d t = low / high, t2, a;
-    sph__halve(&t);
-    sph__halve(&t);
+    const sph__v8d size = sph__where(zero, *x, -*x, *x);
+    const sph__v8d high = sph__where(*y, size, *y, size), low = sph__where(*y, size, size, *y);
+    const sph__v8d first = high * SPH__TAN_PI_16, second = high * SPH__TAN_3_PI_16;
+    sph__v8d middle = sph__where(low, first, zero + SPH__TAN_PI_8, zero);
+    sph__v8d around = sph__where(low, first, zero + SPH__HALF_PI / 4, zero), t, t2, a;
+    middle = sph__where(low, second, zero + 1.0, middle);
+    around = sph__where(low, second, zero + SPH__HALF_PI / 2, around);
+    t = (low - middle * high) / (high + middle * low);
     t2 = t * t;
-    a = 4.0 * t *
-        (1.0 - t2 * (1.0 / 3 - t2 * (1.0 / 5 - t2 * (1.0 / 7 - t2 * (1.0 / 9 - t2 * (1.0 / 11 - t2 * (1.0 / 13)))))));
-    a = sph__select(steep, SPH__HALF_PI - a, a);
-    *angle = sph__select(behind, 2 * SPH__HALF_PI - a, a);
+    a = t * (1.0 - t2 * (1.0 / 3 - t2 * (1.0 / 5 - t2 * (1.0 / 7 - t2 * (1.0 / 9 - t2 * (1.0 / 11 - t2 * (1.0 / 13)))))));
+    a += around;
+    a = sph__where(*y, size, SPH__HALF_PI - a, a);
+    *angle = sph__where(zero, *x, 2 * SPH__HALF_PI - a, a);
 }
 
 /*
@@ -83,7 +81,7 @@ SPH__INLINE void sph__turn_by(const sph__v8d *cosine, const sph__v8d *sine, sph_
     sph__v8d c = *cosine, s = *sine, size, x, y;
     sph__v8i below;
     sph__bring_near_one(&c, &s, &size);
-    c = sph__select(sph__greater(size, zero), c, zero + 1.0);
+    c = sph__where(size, zero, c, zero + 1.0);
     x = turn->x * c - turn->y * s;
     y = turn->x * s + turn->y * c;
     below = (sph__v8i)y & SPH__SIGN;
@@ -104,28 +102,30 @@ SPH__INLINE void sph__turn_angle(const sph__turn *turn, sph__v8d *angle)
 SPH__INLINE void sph__add_cap_plane(const sph__v8d *angles, double weight, float *eight, sph__v8d *total)
 {
     const sph__v8d zero = {0};
-    sph__v8i some;
-    sph__v8d n[3], length, w;
+    sph__v8d n[3], squared, length, w, x, y, z;
 #define row(number) sph__load(eight, (number) * SPH__LANES)
     for (size_t k = 0; k < 3; ++k) n[k] = row(SPH__N0 + k);
-    length = SPH__DOT(n, n);
-    length = sph__root(length);
-    some = sph__greater(length, zero);
+    squared = SPH__DOT(n, n);
+    length = sph__root(squared);
     /* no angle at all is no tip but a vertex whose triangles have collapsed */
     w = weight * (SPH__TWO_PI - *angles);
-    w = sph__select(sph__greater(w, zero), w, zero);
-    w = sph__select(sph__greater(*angles, zero), w, zero);
-    w = sph__select(some, w, zero);
-    for (size_t k = 0; k < 3; ++k) n[k] = sph__select(some, n[k] / length, length);
+    w = sph__where(w, zero, w, zero);
+    w = sph__where(*angles, zero, w, zero);
+    w = sph__where(squared, zero, w, zero);
     *total += w;
-    sph__store(eight, SPH__M00 * SPH__LANES, row(SPH__M00) + w * n[0] * n[0]);
-    sph__store(eight, SPH__M01 * SPH__LANES, row(SPH__M01) + w * n[0] * n[1]);
-    sph__store(eight, SPH__M02 * SPH__LANES, row(SPH__M02) + w * n[0] * n[2]);
-    sph__store(eight, SPH__M11 * SPH__LANES, row(SPH__M11) + w * n[1] * n[1]);
-    sph__store(eight, SPH__M12 * SPH__LANES, row(SPH__M12) + w * n[1] * n[2]);
-    sph__store(eight, SPH__M22 * SPH__LANES, row(SPH__M22) + w * n[2] * n[2]);
-    for (size_t k = 0; k < 3; ++k)
-        sph__store(eight, (SPH__N0 + k) * SPH__LANES, row(SPH__N0 + k) + w * n[k]);
+    w = sph__where(w, zero, w / squared, zero);
+    x = w * n[0];
+    y = w * n[1];
+    z = w * n[2];
+    sph__store(eight, SPH__M00 * SPH__LANES, row(SPH__M00) + x * n[0]);
+    sph__store(eight, SPH__M01 * SPH__LANES, row(SPH__M01) + x * n[1]);
+    sph__store(eight, SPH__M02 * SPH__LANES, row(SPH__M02) + x * n[2]);
+    sph__store(eight, SPH__M11 * SPH__LANES, row(SPH__M11) + y * n[1]);
+    sph__store(eight, SPH__M12 * SPH__LANES, row(SPH__M12) + y * n[2]);
+    sph__store(eight, SPH__M22 * SPH__LANES, row(SPH__M22) + z * n[2]);
+    sph__store(eight, SPH__N0 * SPH__LANES, n[0] + x * length);
+    sph__store(eight, SPH__N1 * SPH__LANES, n[1] + y * length);
+    sph__store(eight, SPH__N2 * SPH__LANES, n[2] + z * length);
 #undef row
 }
 

@@ -69,8 +69,7 @@ SPH__INLINE void add_coherence(const sph__region *u, const sph__region *v, size_
 {
     const sph__v8d au = sph__load(u->mean, 3 * s + i), av = sph__load(v->mean, 3 * s + i);
     const sph__v8d zero = {0}, area = au + av, weight = 2 * delta * area;
-    const sph__v8i some = sph__greater(area, zero);
-    const sph__v8d share = sph__select(some, av / area, area);
+    const sph__v8d share = sph__where(area, zero, av / area, area);
     sph__v8d x[3];
     for (size_t k = 0; k < 3; ++k) {
         const sph__v8d mu = sph__load(u->mean, k * s + i), mv = sph__load(v->mean, k * s + i);
@@ -85,25 +84,23 @@ SPH__INLINE void add_coherence(const sph__region *u, const sph__region *v, size_
     q->sum_c += 0.5 * weight * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
 }
 
-/* Adjugate and determinant; the mask of frames that are regular. */
+/* Adjugate and determinant; frames where that is not above `least` are degenerate, and their `inverse` is 0. */
 typedef struct frame_inverse {
-    sph__v8d a00, a01, a02, a11, a12, a22, inverse;
-    sph__v8i regular;
+    sph__v8d a00, a01, a02, a11, a12, a22, det, least, inverse;
 } frame_inverse;
 
 SPH__INLINE void invert_frames(const frame_quadric *q, frame_inverse *v)
 {
     const sph__v8d third = (q->m00 + q->m11 + q->m22) * (1.0 / 3.0);
-    sph__v8d det;
     v->a00 = q->m11 * q->m22 - q->m12 * q->m12;
     v->a01 = q->m02 * q->m12 - q->m01 * q->m22;
     v->a02 = q->m01 * q->m12 - q->m02 * q->m11;
     v->a11 = q->m00 * q->m22 - q->m02 * q->m02;
     v->a12 = q->m01 * q->m02 - q->m00 * q->m12;
     v->a22 = q->m00 * q->m11 - q->m01 * q->m01;
-    det = q->m00 * v->a00 + q->m01 * v->a01 + q->m02 * v->a02;
-    v->regular = sph__greater(det, SPH__DEGENERATE * (third * third * third));
-    v->inverse = sph__select(v->regular, 1.0 / det, det - det);
+    v->det = q->m00 * v->a00 + q->m01 * v->a01 + q->m02 * v->a02;
+    v->least = SPH__DEGENERATE * (third * third * third);
+    v->inverse = sph__where(v->det, v->least, 1.0 / v->det, v->det - v->det);
 }
 
 /* Asks for the rows of the frames that come so many later: the machine's own guesses end with each page. */
@@ -121,11 +118,27 @@ SPH__INLINE void ask_ahead(const sph__region *region, size_t s, size_t i)
 /* What sums over frames are made of, lane by lane. */
 enum { SUM_B, SUM_C, SUM_NN, SUM_NB, SUM_BB, SUM_MU, SUM_NU, SUM_B1, SUM_SCALE, SUM_COUNT, SUMS };
 
+/* What the degenerate of eight frames add. */
+SPH__INLINE void add_degenerate(const frame_quadric *q, const frame_inverse *a, sph__v8d sums[SUMS])
+{
+    const sph__v8d zero = {0};
+    const sph__v8d part = sph__where(a->det, a->least, zero, zero + 1.0);
+    sph__v8d x0, x1, x2;
+    if (sph__is_zero(&part)) return;
+    x0 = q->m00 * q->d0 + q->m01 * q->d1 + q->m02 * q->d2;
+    x1 = q->m01 * q->d0 + q->m11 * q->d1 + q->m12 * q->d2;
+    x2 = q->m02 * q->d0 + q->m12 * q->d1 + q->m22 * q->d2;
+    sums[SUM_MU] += part * (x0 * q->d0 + x1 * q->d1 + x2 * q->d2);
+    sums[SUM_NU] += part * (q->n0 * q->d0 + q->n1 * q->d1 + q->n2 * q->d2);
+    sums[SUM_B1] += part * (q->b0 * q->d0 + q->b1 * q->d1 + q->b2 * q->d2);
+    sums[SUM_SCALE] += part * ((q->m00 + q->m11 + q->m22) * (q->d0 * q->d0 + q->d1 * q->d1 + q->d2 * q->d2));
+    sums[SUM_COUNT] += part;
+}
+
 /* Adds eight frames. */
 SPH__INLINE void add_sums(const sph__region *u, const sph__region *v, size_t s, size_t i, const sph__v8d *offset,
                           double coherence, sph__v8d sums[SUMS])
 {
-    const sph__v8d zero = {0};
     frame_quadric q;
     frame_inverse a;
     sph__v8d x0, x1, x2, y0, y1, y2;
@@ -143,15 +156,7 @@ SPH__INLINE void add_sums(const sph__region *u, const sph__region *v, size_t s, 
     sums[SUM_NN] += (q.n0 * x0 + q.n1 * x1 + q.n2 * x2) * a.inverse;
     sums[SUM_NB] += (q.b0 * x0 + q.b1 * x1 + q.b2 * x2) * a.inverse;
     sums[SUM_BB] += (q.b0 * y0 + q.b1 * y1 + q.b2 * y2) * a.inverse;
-    x0 = q.m00 * q.d0 + q.m01 * q.d1 + q.m02 * q.d2;
-    x1 = q.m01 * q.d0 + q.m11 * q.d1 + q.m12 * q.d2;
-    x2 = q.m02 * q.d0 + q.m12 * q.d1 + q.m22 * q.d2;
-    sums[SUM_MU] += sph__select(a.regular, zero, x0 * q.d0 + x1 * q.d1 + x2 * q.d2);
-    sums[SUM_NU] += sph__select(a.regular, zero, q.n0 * q.d0 + q.n1 * q.d1 + q.n2 * q.d2);
-    sums[SUM_B1] += sph__select(a.regular, zero, q.b0 * q.d0 + q.b1 * q.d1 + q.b2 * q.d2);
-    sums[SUM_SCALE] +=
-        sph__select(a.regular, zero, (q.m00 + q.m11 + q.m22) * (q.d0 * q.d0 + q.d1 * q.d1 + q.d2 * q.d2));
-    sums[SUM_COUNT] += sph__select(a.regular, zero, zero + 1.0);
+    add_degenerate(&q, &a, sums);
 }
 
 SPH__CLONES static void sums_clones(const sph__region *u, const sph__region *v, size_t s, double coherence, double *out)
@@ -227,9 +232,9 @@ SPH__CLONES static void centers_clones(const sph__region *u, const sph__region *
         x0 = (a.a00 * q.b0 + a.a01 * q.b1 + a.a02 * q.b2) * a.inverse;
         x1 = (a.a01 * q.b0 + a.a11 * q.b1 + a.a12 * q.b2) * a.inverse;
         x2 = (a.a02 * q.b0 + a.a12 * q.b1 + a.a22 * q.b2) * a.inverse;
-        x0 = sph__select(a.regular, x0, lambda * q.d0);
-        x1 = sph__select(a.regular, x1, lambda * q.d1);
-        x2 = sph__select(a.regular, x2, lambda * q.d2);
+        x0 = sph__where(a.det, a.least, x0, lambda * q.d0);
+        x1 = sph__where(a.det, a.least, x1, lambda * q.d1);
+        x2 = sph__where(a.det, a.least, x2, lambda * q.d2);
         sph__store(center, i, x0 + sph__load(u->center, i));
         sph__store(center, s + i, x1 + sph__load(u->center, s + i));
         sph__store(center, 2 * s + i, x2 + sph__load(u->center, 2 * s + i));
@@ -301,7 +306,7 @@ void sph__kernel_unite_means(const float *u, const float *v, size_t stride, floa
 {
     for (size_t i = 0; i < stride; i += SPH__LANES) {
         const sph__v8d zero = {0}, au = sph__load(u, 3 * stride + i), av = sph__load(v, 3 * stride + i), area = au + av;
-        const sph__v8d share = sph__select(sph__greater(area, zero), av / area, area);
+        const sph__v8d share = sph__where(area, zero, av / area, area);
         for (size_t k = 0; k < 3; ++k) {
             const sph__v8d mu = sph__load(u, k * stride + i), mv = sph__load(v, k * stride + i);
             sph__store(out, k * stride + i, mu + share * (mv - mu));

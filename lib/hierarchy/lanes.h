@@ -38,10 +38,14 @@ typedef uint64_t sph__v8u __attribute__((vector_size(64)));
 #define sph__narrow(x) __builtin_convertvector((sph__v8d)(x), sph__v8f)
 #define sph__load(row, i) sph__widen(*(const sph__v8f *)((row) + (i)))
 #define sph__store(row, i, value) ((void)(*(sph__v8f *)((row) + (i)) = sph__narrow(value)))
-/* A mask: where x > y. */
-#define sph__greater(x, y) ((x) > (y))
-/* `a` where the mask is set, else `b`. */
-#define sph__select(mask, a, b) ((sph__v8d)(((mask) & (sph__v8i)(a)) | (~(mask) & (sph__v8i)(b))))
+/* `a` where x > y, else `b`. */
+#define sph__where(x, y, a, b) \
+    __extension__({ \
+        const sph__v8d x_ = (x), y_ = (y), a_ = (a), b_ = (b); \
+        sph__v8d r_; \
+        sph__pick(&x_, &y_, &a_, &b_, &r_); \
+        r_; \
+    })
 #define sph__root(x) \
     __extension__({ \
         const sph__v8d x_ = (x); \
@@ -49,6 +53,27 @@ typedef uint64_t sph__v8u __attribute__((vector_size(64)));
         for (size_t l_ = 0; l_ < SPH__LANES; ++l_) r_[l_] = sqrt(x_[l_]); \
         r_; \
     })
+/* What keeps gcc from unrolling these loops before it looks for vectors in them: it would take lane by lane then. */
+#if defined(__clang__)
+#  define SPH__LANE_LOOP
+#else
+#  define SPH__LANE_LOOP _Pragma("GCC unroll 1")
+#endif
+
+SPH__INLINE void sph__pick(const sph__v8d *x, const sph__v8d *y, const sph__v8d *a, const sph__v8d *b, sph__v8d *r)
+{
+    const double *px = (const double *)x, *py = (const double *)y, *pa = (const double *)a, *pb = (const double *)b;
+    double *pr = (double *)r;
+    SPH__LANE_LOOP
+    for (size_t l = 0; l < SPH__LANES; ++l) pr[l] = px[l] > py[l] ? pa[l] : pb[l];
+}
+
+SPH__INLINE bool sph__is_zero(const sph__v8d *x)
+{
+    const sph__v8i bits = (sph__v8i)*x;
+    return ((bits[0] | bits[1]) | (bits[2] | bits[3]) | (bits[4] | bits[5]) | (bits[6] | bits[7])) == 0;
+}
+
 /* The sum of the lanes of a variable. */
 #define sph__sum(v) sph__sum_lanes(&(v))
 

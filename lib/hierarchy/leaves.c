@@ -37,7 +37,7 @@ SPH__INLINE void add_plane(const fan *f, size_t t, size_t s, size_t i, leaf_sums
     w += f->weight;
     if (f->weights != NULL) w *= sph__load(f->weights, i);
     /* w = weight * area: N = 2 w n = weight' * (length / 2) n, and 2 * area / 3 = length / 3 */
-    scale = sph__select(sph__greater(squared, zero), w / length, squared - squared);
+    scale = sph__where(squared, zero, w / length, squared - squared);
     x = scale * nx;
     y = scale * ny;
     z = scale * nz;

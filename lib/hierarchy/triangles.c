@@ -65,7 +65,7 @@ SPH__CLONES static double inversion_clones(const float *p, const float *q, const
         squared = DOT(n, n) * DOT(m, m);
         root = sph__root(squared);
         root = sph__root(root);
-        sum += sph__select(sph__greater(squared, zero), DOT(n, m) / root, squared - squared);
+        sum += sph__where(squared, zero, DOT(n, m) / root, squared - squared);
     }
     return 0.5 * sph__sum(sum);
 }

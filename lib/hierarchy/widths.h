@@ -19,13 +19,6 @@ static inline float *sph__probe_bounds_of(const sph__builder *b, const sph__slot
     return b->probe_bounds + (size_t)(slot - b->slots) * 2 * b->probe_count;
 }
 
-/* What keeps gcc from unrolling these loops before it looks for vectors in them: it would take lane by lane then. */
-#if defined(__clang__)
-#  define SPH__LANE_LOOP
-#else
-#  define SPH__LANE_LOOP _Pragma("GCC unroll 1")
-#endif
-
 /* The points of a union are placed in the order 0, spread_stride, 2 spread_stride ... of their numbers. */
 static inline size_t sph__next_spread(const sph__extents *e, size_t number)
 {

@@ -194,7 +194,7 @@ SPH__CLONES static void plane_clones(const float *p, const float *q, const float
         squared = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
         length = sph__root(squared);
         /* a third of half the length, by the unit normal twice */
-        scale = sph__select(sph__greater(squared, zero), 1.0 / (6.0 * length), zero);
+        scale = sph__where(squared, zero, 1.0 / (6.0 * length), zero);
         ADD_PLANE(into, n, scale, at, constant);
         area += length / 6.0;
     }
@@ -222,7 +222,7 @@ SPH__CLONES static double border_clones(const float *p, const float *q, const fl
         }
         along = e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
         across = side[0] * side[0] + side[1] * side[1] + side[2] * side[2];
-        scale = sph__select(sph__greater(across, zero), weight * along / (3.0 * across), zero);
+        scale = sph__where(across, zero, weight * along / (3.0 * across), zero);
         ADD_PLANE(into, side, scale, at, constant);
     }
     return sph__sum(constant);
