@@ -31,6 +31,11 @@ typedef struct sph__candidate {
     float width; /* of the union where it was needed, or somewhat less, else 0; below 0: its cost is a lower bound */
 } sph__candidate;
 
+/* The cost of an edge by its radius where no frame is degenerate: r (w2 r / 2 - beta3) + constant. w2 is 0 where one is. */
+typedef struct sph__parabola {
+    double w2, beta3, constant;
+} sph__parabola;
+
 /* The cost is that of the exact radius bound. */
 static inline bool sph__is_exact(const sph__candidate *candidate)
 {
@@ -112,6 +117,7 @@ typedef struct sph__builder {
     struct sph__guesses *guesses; /* NULL with one thread */
     sph__connectivity mesh;
     sph__candidate *candidates; /* per edge */
+    sph__parabola *parabolas;   /* per edge, for the exact cost; NULL where costs are exact from the start */
     sph__edge_queue queue;
     float *new_center;    /* [3][stride] */
     float *new_block;     /* [rows][stride] */
@@ -130,6 +136,12 @@ static inline float *sph__node_center(const sph__builder *b, uint32_t node)
 
 /* Around a vertex of more triangles they count as not closed: finding out would take the square of their number. */
 enum { SPH__FAN_LIMIT = 1024 };
+
+/* The exact cost of an edge takes no more than its width. */
+static inline bool sph__is_parabola(const sph__builder *b, uint32_t edge)
+{
+    return b->parabolas != NULL && b->parabolas[edge].w2 > 0;
+}
 
 /* Steps, in order. */
 sph_status sph__load_frames(sph__builder *b); /* ends with sph__normalise_size */
@@ -203,7 +215,7 @@ static inline sph__slot *sph__slot_of(const sph__builder *b, uint32_t node)
 double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candidate);
 /* The same of regions (not with radii per frame), u the older. */
 double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const sph__region *v, const sph__slot *su,
-                             const sph__slot *sv, sph__candidate *candidate);
+                             const sph__slot *sv, sph__candidate *candidate, sph__parabola *parabola);
 /* What will be read soon is asked for, so that one wait serves for all of it: for the collapse of u and v, and of what is
  * next in the queue; for the edges of a new node. */
 void sph__prefetch_collapse(const sph__builder *b, uint32_t u, uint32_t v);
@@ -212,8 +224,8 @@ void sph__prefetch_around(const sph__builder *b, uint32_t node);
 
 /* That from the sums. */
 double sph__evaluate_sums(const sph__builder *b, const sph__sums *sums, double u_radius, const sph__slot *su,
-                          const sph__slot *sv, sph__candidate *candidate);
-/* The exact cost (not with radii per frame). */
+                          const sph__slot *sv, sph__candidate *candidate, sph__parabola *parabola);
+/* The exact cost (not with radii per frame). Both ends have blocks where it is no parabola. */
 sph_status sph__evaluate_exactly(const sph__builder *b, sph__extents *extents, uint32_t edge, sph__candidate *candidate,
                                  double *cost);
 /* Whether one of the surviving triangles of u or v turns over when both move to `center`. */
@@ -237,8 +249,8 @@ double sph__guess_exact(const sph__guess *guess, sph__candidate *candidate);
 bool sph__guess_sphere(sph__builder *b, const sph__guess *guess, bool *inverts);
 /* The scalars of the united quadric into the slot; returns its block. Only where it does not invert triangles. */
 const float *sph__guess_block(const sph__builder *b, const sph__guess *guess, sph__slot *slot);
-/* The cost of the new node's edge to `other`, where it is known. */
-bool sph__guess_cost(const sph__guess *guess, uint32_t other, double *cost, sph__candidate *candidate);
+/* The cost of the new node's edge to `other`, and what belongs to it, where they are known. */
+bool sph__guess_cost(sph__builder *b, const sph__guess *guess, uint32_t edge, uint32_t other, double *cost);
 /* For an edge without a guess: works out those on top of the queue, if there are enough. */
 sph_status sph__guess_ahead(sph__builder *b);
 

@@ -19,7 +19,7 @@ static sph_status need_ends(sph__builder *b, uint32_t edge)
 static sph_status evaluate_new(sph__builder *b, uint32_t edge, uint32_t node, const sph__guess *guess, double *cost)
 {
     sph_status status;
-    if (guess != NULL && sph__guess_cost(guess, sph__edge_other(&b->mesh, edge, node), cost, &b->candidates[edge]))
+    if (guess != NULL && sph__guess_cost(b, guess, edge, sph__edge_other(&b->mesh, edge, node), cost))
         return SPH_OK;
     status = need_ends(b, edge);
     if (status == SPH_OK) *cost = sph__evaluate(b, edge, &b->candidates[edge]);
@@ -158,7 +158,7 @@ static sph_status make_exact(sph__builder *b, uint32_t edge, double *cost)
         *cost = sph__guess_exact(guess, &b->candidates[edge]);
         return SPH_OK;
     }
-    status = need_ends(b, edge);
+    status = sph__is_parabola(b, edge) ? SPH_OK : need_ends(b, edge);
     if (status != SPH_OK) return status;
     if (!b->h->radii_per_frame) return sph__evaluate_exactly(b, &b->extents, edge, &b->candidates[edge], cost);
     sph__edge_ends(&b->mesh, edge, &u, &v);

@@ -95,12 +95,13 @@ const float *sph__guess_block(const sph__builder *b, const sph__guess *guess, sp
     return guess->block;
 }
 
-bool sph__guess_cost(const sph__guess *guess, uint32_t other, double *cost, sph__candidate *candidate)
+bool sph__guess_cost(sph__builder *b, const sph__guess *guess, uint32_t edge, uint32_t other, double *cost)
 {
     for (size_t i = 0; i < guess->other_count; ++i)
         if (guess->others[i] == other) {
             *cost = guess->costs[i];
-            *candidate = guess->candidates[i];
+            b->candidates[edge] = guess->candidates[i];
+            if (b->parabolas != NULL) b->parabolas[edge] = guess->parabolas[i];
             return true;
         }
     return false;
@@ -136,7 +137,8 @@ static void evaluate_others(const sph__builder *b, sph__guess *guess, const sph_
                            .c = slot->c};
     for (size_t i = 0; i < guess->other_count; ++i) {
         const sph__region x = sph__region_of(b, guess->others[i]); /* older, so it is the first of the two */
-        guess->costs[i] = sph__evaluate_regions(b, &x, &w, sph__slot_of(b, guess->others[i]), slot, &guess->candidates[i]);
+        guess->costs[i] = sph__evaluate_regions(b, &x, &w, sph__slot_of(b, guess->others[i]), slot, &guess->candidates[i],
+                                                &guess->parabolas[i]);
     }
 }
 

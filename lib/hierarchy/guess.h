@@ -27,6 +27,7 @@ struct sph__guess {
     uint32_t others[SPH__GUESS_OTHERS]; /* neighbours of the new node, and its edges to them: */
     double costs[SPH__GUESS_OTHERS];
     sph__candidate candidates[SPH__GUESS_OTHERS];
+    sph__parabola parabolas[SPH__GUESS_OTHERS];
     bool all_others;      /* these are all neighbours */
     float *center, *block; /* of the new node; its slot is that of number n + the guess's */
 };

@@ -118,6 +118,7 @@ static void free_builder(sph__builder *b)
     sph__guesses_destroy(b);
     sph__connectivity_free(&b->mesh);
     sph__free(context, b->candidates);
+    sph__free(context, b->parabolas);
     sph__edge_queue_free(&b->queue);
     sph__free(context, b->new_center);
     sph__free(context, b->new_block);

@@ -23,6 +23,7 @@ static void evaluate_eight(const sph__builder *b, const uint32_t *edges, size_t 
     const sph__slot *su[SPH__LANES], *sv[SPH__LANES];
     sph__region us[SPH__LANES], vs[SPH__LANES];
     sph__sums sums[SPH__LANES];
+    sph__parabola parabola; /* costs are exact */
     sph__lanes u, v;
     for (size_t l = 0; l < SPH__LANES; ++l) {
         uint32_t nu, nv;
@@ -36,7 +37,7 @@ static void evaluate_eight(const sph__builder *b, const uint32_t *edges, size_t 
     }
     sph__kernel_pair_sums(&u, &v, us, vs, count, sums);
     for (size_t l = 0; l < count; ++l)
-        costs[l] = sph__evaluate_sums(b, &sums[l], us[l].radius, su[l], sv[l], &b->candidates[edges[l]]);
+        costs[l] = sph__evaluate_sums(b, &sums[l], us[l].radius, su[l], sv[l], &b->candidates[edges[l]], &parabola);
 }
 
 void sph__single_evaluate(const sph__builder *b, const uint32_t *edges, size_t count, double *costs)

@@ -167,6 +167,10 @@ sph_status sph__fill_queue(sph__builder *b)
     sph_status status;
     b->candidates = sph__alloc(b->context, b->mesh.edge_count, sizeof *b->candidates);
     if (b->candidates == NULL) return sph__fail_memory(b->context);
+    if (b->probe_frames != b->frames && !b->h->radii_per_frame) {
+        b->parabolas = sph__alloc(b->context, b->mesh.edge_count, sizeof *b->parabolas);
+        if (b->parabolas == NULL) return sph__fail_memory(b->context);
+    }
     status = sph__edge_queue_reserve(&b->queue, &b->mesh);
     if (status == SPH_OK) status = b->single ? fill_single(b) : fill_by_walk(b);
     for (uint32_t v = 0; v < b->n; ++v) b->live_weight += b->slots[v].w;
