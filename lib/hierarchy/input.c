@@ -17,6 +17,23 @@ static bool is_closed_around(const sph__builder *b, uint32_t v)
     return true;
 }
 
+/* Puts the triangles around v one after the other, as far as they hang together: whoever takes them in turn needs one more
+ * corner for each, not two. */
+static void chain_cells(sph__builder *b, uint32_t v)
+{
+    uint32_t(*cells)[2] = b->vertex_cells + b->cell_starts[v];
+    const size_t count = b->cell_starts[v + 1] - b->cell_starts[v];
+    if (count > SPH__FAN_LIMIT) return;
+    for (size_t i = 1; i < count; ++i)
+        for (size_t j = i; j < count; ++j) {
+            const uint32_t found[2] = {cells[j][0], cells[j][1]};
+            if (found[0] != cells[i - 1][1]) continue;
+            memcpy(cells[j], cells[i], sizeof found);
+            memcpy(cells[i], found, sizeof found);
+            break;
+        }
+}
+
 static sph_status list_cells(sph__builder *b)
 {
     b->cell_starts = sph__zalloc(b->context, (size_t)b->n + 1, sizeof *b->cell_starts);
@@ -39,7 +56,10 @@ static sph_status list_cells(sph__builder *b)
     b->cell_starts[0] = 0;
     b->cell_open = sph__alloc(b->context, b->n, sizeof *b->cell_open);
     if (b->cell_open == NULL) return sph__fail_memory(b->context);
-    for (uint32_t v = 0; v < b->n; ++v) b->cell_open[v] = !is_closed_around(b, v);
+    for (uint32_t v = 0; v < b->n; ++v) {
+        b->cell_open[v] = !is_closed_around(b, v);
+        chain_cells(b, v);
+    }
     return SPH_OK;
 }
 

@@ -20,6 +20,7 @@ typedef struct fan {
 typedef struct leaf_sums {
     sph__v8d rows[SPH__LEAF_ROWS], w;
     sph__turn angles;
+    sph__v8d edge[3]; /* from the vertex to the last corner of the last triangle */
 } leaf_sums;
 
 /* Adds the plane of one triangle (p, q, r). */
@@ -27,7 +28,10 @@ SPH__INLINE void add_plane(const fan *f, size_t t, size_t s, size_t i, leaf_sums
 {
     const float *p = f->center, *q = f->corners[t][0], *r = f->corners[t][1];
     const sph__v8d px = sph__load(p, i), py = sph__load(p, s + i), pz = sph__load(p, 2 * s + i);
-    const sph__v8d ex = sph__load(q, i) - px, ey = sph__load(q, s + i) - py, ez = sph__load(q, 2 * s + i) - pz;
+    const bool chained = t > 0 && q == f->corners[t - 1][1];
+    const sph__v8d ex = chained ? sums->edge[0] : sph__load(q, i) - px;
+    const sph__v8d ey = chained ? sums->edge[1] : sph__load(q, s + i) - py;
+    const sph__v8d ez = chained ? sums->edge[2] : sph__load(q, 2 * s + i) - pz;
     const sph__v8d fx = sph__load(r, i) - px, fy = sph__load(r, s + i) - py, fz = sph__load(r, 2 * s + i) - pz;
     const sph__v8d nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
     const sph__v8d squared = nx * nx + ny * ny + nz * nz;
@@ -55,6 +59,9 @@ SPH__INLINE void add_plane(const fan *f, size_t t, size_t s, size_t i, leaf_sums
         const sph__v8d cosine = ex * fx + ey * fy + ez * fz;
         sph__turn_by(&cosine, &length, &sums->angles);
     }
+    sums->edge[0] = fx;
+    sums->edge[1] = fy;
+    sums->edge[2] = fz;
 }
 
 /* Asks for a line of all rows of a fan. */
@@ -62,7 +69,8 @@ SPH__INLINE void ask_for_rows(const fan *f, size_t s, size_t i)
 {
     for (size_t k = 0; k < 3; ++k) __builtin_prefetch(f->center + k * s + i);
     for (size_t t = 0; t < f->count; ++t)
-        for (size_t k = 0; k < 6; ++k) __builtin_prefetch(f->corners[t][k / 3] + k % 3 * s + i);
+        for (size_t k = t > 0 && f->corners[t][0] == f->corners[t - 1][1] ? 3 : 0; k < 6; ++k)
+            __builtin_prefetch(f->corners[t][k / 3] + k % 3 * s + i);
 }
 
 /* Adds the planes of a fan, and at the end its cap, to the leaf rows of a block of `rows` rows; the sum over frames of their
