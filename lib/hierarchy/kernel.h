@@ -37,12 +37,9 @@ typedef struct sph__region {
     int leaf;              /* 1: the b rows are zero and not there: the block has SPH__LEAF_ROWS rows */
 } sph__region;
 
-/* One frame of eight regions side by side. */
-typedef struct sph__lanes {
-    _Alignas(64) float block[SPH__BLOCK_ROWS][SPH__LANES];
-    _Alignas(64) float center[3][SPH__LANES];
-    _Alignas(64) double radius[SPH__LANES];
-} sph__lanes;
+/* Of a single frame, what a region has is one cache line: its block, and the centre and radius of its sphere. */
+enum { SPH__SINGLE_CENTER = SPH__BLOCK_ROWS, SPH__SINGLE_RADIUS = SPH__SINGLE_CENTER + 3, SPH__SINGLE_ROWS };
+_Static_assert(SPH__SINGLE_ROWS * sizeof(float) == 64, "a region is a cache line");
 
 /* What a pass over the frames of the united quadric yields; all relative to the sphere of u. */
 typedef struct sph__sums {
@@ -62,9 +59,15 @@ typedef struct sph__minimum {
 void sph__kernel_sums(const sph__region *u, const sph__region *v, size_t frames, size_t stride, double coherence,
                       sph__sums *sums);
 
-/* The sums of `count` pairs, up to eight, of regions of one frame, without coherence; their scalars are in us and vs. */
-void sph__kernel_pair_sums(const sph__lanes *u, const sph__lanes *v, const sph__region *us, const sph__region *vs,
-                           size_t count, sph__sums *sums);
+/* The sums of `count` pairs, up to eight, of regions of one frame, without coherence; their blocks are cache lines as above.
+ * There are eight of them: what those behind `count` are makes no difference. */
+void sph__kernel_pair_sums(const sph__region us[SPH__LANES], const sph__region vs[SPH__LANES], size_t count,
+                           sph__sums *sums);
+/* What the two functions below do, of such regions. */
+void sph__kernel_single_center(const sph__region *u, const sph__region *v, double lambda, double radius,
+                               float center[3]);
+void sph__kernel_single_unite(const sph__region *u, const sph__region *v, const float center[3], double radius,
+                              float block[SPH__BLOCK_ROWS], double *w, double *b, double *c);
 
 /* The centres of the united sphere: three rows. */
 void sph__kernel_centers(const sph__region *u, const sph__region *v, size_t stride, double coherence, double lambda,

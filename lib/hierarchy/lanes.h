@@ -74,6 +74,25 @@ SPH__INLINE bool sph__is_zero(const sph__v8d *x)
     return ((bits[0] | bits[1]) | (bits[2] | bits[3]) | (bits[4] | bits[5]) | (bits[6] | bits[7])) == 0;
 }
 
+/* Eight rows of eight, turned. */
+SPH__INLINE void sph__transpose(const sph__v8f a[SPH__LANES], sph__v8f out[SPH__LANES])
+{
+    sph__v8f pairs[SPH__LANES], fours[SPH__LANES];
+    for (size_t i = 0; i < SPH__LANES; i += 2) {
+        pairs[i] = __builtin_shufflevector(a[i], a[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        pairs[i + 1] = __builtin_shufflevector(a[i], a[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    for (size_t i = 0; i < SPH__LANES; i += 4)
+        for (size_t k = 0; k < 2; ++k) {
+            fours[i + 2 * k] = __builtin_shufflevector(pairs[i + k], pairs[i + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+            fours[i + 2 * k + 1] = __builtin_shufflevector(pairs[i + k], pairs[i + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+    for (size_t k = 0; k < 4; ++k) {
+        out[k] = __builtin_shufflevector(fours[k], fours[k + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        out[k + 4] = __builtin_shufflevector(fours[k], fours[k + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+
 /* The sum of the lanes of a variable. */
 #define sph__sum(v) sph__sum_lanes(&(v))
 

@@ -1,41 +1,37 @@
 /* SPDX-License-Identifier: MIT */
 #include "hierarchy/single.h"
 
-/* Puts a region into a lane. */
-static void put_lane(const float *rows, size_t lane, sph__lanes *lanes)
+/* Member by member: a copy of all would wait for the last of them to be written. */
+static inline void read_region(const sph__builder *b, const sph__slot *slot, sph__region *region)
 {
-    for (size_t k = 0; k < SPH__BLOCK_ROWS; ++k) lanes->block[k][lane] = rows[k];
-    for (size_t k = 0; k < 3; ++k) lanes->center[k][lane] = rows[SPH__SINGLE_CENTER + k];
-    lanes->radius[lane] = (double)rows[SPH__SINGLE_RADIUS];
+    const float *rows = sph__single_rows(b, (size_t)(slot - b->slots));
+    region->block = rows;
+    region->radius = (double)rows[SPH__SINGLE_RADIUS];
+    region->w = slot->w;
+    region->b = slot->b;
+    region->c = slot->c;
 }
 
-static sph__region scalars_of(const sph__builder *b, const sph__slot *slot)
-{
-    return (sph__region){.radius = (double)sph__single_rows(b, (size_t)(slot - b->slots))[SPH__SINGLE_RADIUS],
-                         .w = slot->w,
-                         .b = slot->b,
-                         .c = slot->c};
-}
-
-/* Up to eight edges; lanes without one repeat the last. */
+/* Up to eight edges; lanes without one repeat the first. */
 static void evaluate_eight(const sph__builder *b, const uint32_t *edges, size_t count, double *costs)
 {
     const sph__slot *su[SPH__LANES], *sv[SPH__LANES];
     sph__region us[SPH__LANES], vs[SPH__LANES];
     sph__sums sums[SPH__LANES];
     sph__parabola parabola; /* costs are exact */
-    sph__lanes u, v;
-    for (size_t l = 0; l < SPH__LANES; ++l) {
+    for (size_t l = 0; l < count; ++l) {
         uint32_t nu, nv;
-        sph__edge_ends(&b->mesh, edges[l < count ? l : count - 1], &nu, &nv);
+        sph__edge_ends(&b->mesh, edges[l], &nu, &nv);
         su[l] = sph__slot_of(b, nu);
         sv[l] = sph__slot_of(b, nv);
-        us[l] = scalars_of(b, su[l]);
-        vs[l] = scalars_of(b, sv[l]);
-        put_lane(su[l]->block, l, &u);
-        put_lane(sv[l]->block, l, &v);
+        read_region(b, su[l], &us[l]);
+        read_region(b, sv[l], &vs[l]);
     }
-    sph__kernel_pair_sums(&u, &v, us, vs, count, sums);
+    for (size_t l = count; l < SPH__LANES; ++l) {
+        us[l].block = us[0].block;
+        vs[l].block = vs[0].block;
+    }
+    sph__kernel_pair_sums(us, vs, count, sums);
     for (size_t l = 0; l < count; ++l)
         costs[l] = sph__evaluate_sums(b, &sums[l], us[l].radius, su[l], sv[l], &b->candidates[edges[l]], &parabola);
 }
@@ -46,24 +42,12 @@ void sph__single_evaluate(const sph__builder *b, const uint32_t *edges, size_t c
         evaluate_eight(b, edges + i, count - i < SPH__LANES ? count - i : SPH__LANES, costs + i);
 }
 
-/* A region as the kernels for many frames take it: the first of eight, and the others are padding. */
-static sph__region pad_region(const sph__builder *b, uint32_t node, sph__lanes *lanes)
-{
-    sph__region region = scalars_of(b, sph__slot_of(b, node));
-    *lanes = (sph__lanes){.block = {{0}}};
-    put_lane(sph__slot_of(b, node)->block, 0, lanes);
-    region.block = lanes->block[0];
-    region.center = lanes->center[0];
-    return region;
-}
-
 void sph__single_center(const sph__builder *b, uint32_t u, uint32_t v, const sph__candidate *candidate)
 {
-    _Alignas(SPH__ALIGN) float center[3][SPH__LANES];
-    sph__lanes lu, lv;
-    const sph__region ru = pad_region(b, u, &lu), rv = pad_region(b, v, &lv);
-    sph__kernel_centers(&ru, &rv, SPH__LANES, 0, candidate->lambda, (double)candidate->radius, center[0]);
-    for (size_t k = 0; k < 3; ++k) b->new_center[k] = center[k][0];
+    sph__region ru, rv;
+    read_region(b, sph__slot_of(b, u), &ru);
+    read_region(b, sph__slot_of(b, v), &rv);
+    sph__kernel_single_center(&ru, &rv, candidate->lambda, (double)candidate->radius, b->new_center);
 }
 
 static const float *center_of(const sph__builder *b, uint32_t node)
@@ -105,14 +89,12 @@ bool sph__single_inverts(const sph__builder *b, uint32_t u, uint32_t v, const fl
 
 void sph__single_unite(const sph__builder *b, uint32_t u, uint32_t v, const sph__candidate *candidate)
 {
-    _Alignas(SPH__ALIGN) float block[SPH__BLOCK_ROWS][SPH__LANES], center[3][SPH__LANES] = {{0}};
     sph__slot *slot = sph__slot_of(b, u);
-    sph__lanes lu, lv;
-    const sph__region ru = pad_region(b, u, &lu), rv = pad_region(b, v, &lv);
-    for (size_t k = 0; k < 3; ++k) center[k][0] = b->new_center[k];
-    sph__kernel_unite(&ru, &rv, SPH__LANES, center[0], (double)candidate->radius, block[0], &slot->w, &slot->b,
-                      &slot->c);
-    for (size_t k = 0; k < SPH__BLOCK_ROWS; ++k) slot->block[k] = block[k][0];
+    sph__region ru, rv;
+    read_region(b, slot, &ru);
+    read_region(b, sph__slot_of(b, v), &rv);
+    sph__kernel_single_unite(&ru, &rv, b->new_center, (double)candidate->radius, slot->block, &slot->w, &slot->b,
+                             &slot->c);
     memcpy(slot->block + SPH__SINGLE_CENTER, b->new_center, 3 * sizeof(float));
     slot->block[SPH__SINGLE_RADIUS] = candidate->radius;
 }

@@ -9,10 +9,6 @@
 
 #include "hierarchy/build.h"
 
-/* Rows of a region, each one float: its block, and the centre and radius of its sphere. */
-enum { SPH__SINGLE_CENTER = SPH__BLOCK_ROWS, SPH__SINGLE_RADIUS = SPH__SINGLE_CENTER + 3, SPH__SINGLE_ROWS };
-_Static_assert(SPH__SINGLE_ROWS * sizeof(float) == 64, "a region is a cache line");
-
 static inline float *sph__single_rows(const sph__builder *b, size_t slot)
 {
     return b->rows + slot * SPH__SINGLE_ROWS;
