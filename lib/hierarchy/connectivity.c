@@ -7,25 +7,25 @@ static uint64_t edge_key(uint32_t a, uint32_t b)
     return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
 
-/* Pairs (a, b) by their lower vertex: counted where there are no keys yet, else put where that vertex's next one goes. */
-static void sort_in(sph__keyed *keys, size_t *ends, uint32_t a, uint32_t b)
+/* Pairs (a, b) by their lower vertex: counted where there are none yet, else the higher put where that one's next goes. */
+static void sort_in(uint32_t *highs, size_t *ends, uint32_t a, uint32_t b)
 {
     const uint32_t low = a < b ? a : b, high = a < b ? b : a;
     if (a == b) return;
-    if (keys == NULL)
+    if (highs == NULL)
         ++ends[low];
     else
-        keys[ends[low]++] = (sph__keyed){high, 0};
+        highs[ends[low]++] = high;
 }
 
-static void sort_in_all(sph__keyed *keys, size_t *ends, const uint32_t *triangles, size_t triangle_count,
+static void sort_in_all(uint32_t *highs, size_t *ends, const uint32_t *triangles, size_t triangle_count,
                         const uint32_t *edges, size_t edge_count)
 {
     for (size_t t = 0; t < triangle_count; ++t) {
         const uint32_t *corner = triangles + 3 * t;
-        for (unsigned k = 0; k < 3; ++k) sort_in(keys, ends, corner[k], corner[(k + 1) % 3]);
+        for (unsigned k = 0; k < 3; ++k) sort_in(highs, ends, corner[k], corner[(k + 1) % 3]);
     }
-    for (size_t e = 0; e < edge_count; ++e) sort_in(keys, ends, edges[2 * e], edges[2 * e + 1]);
+    for (size_t e = 0; e < edge_count; ++e) sort_in(highs, ends, edges[2 * e], edges[2 * e + 1]);
 }
 
 /* From counts to where each begins. */
@@ -38,37 +38,43 @@ static void begin_each(size_t *counts, size_t count)
     }
 }
 
-/* Leaves each once, with its lower end as the item; returns how many there are. */
-static size_t unite_pairs(sph__keyed *keys, const size_t *ends, uint32_t vertex_count)
+/* Leaves each pair once, the lower ends' numbers becoming those of how many there are; returns how many in all. */
+static size_t unite_pairs(uint32_t *highs, size_t *ends, uint32_t vertex_count, sph__node *nodes)
 {
     size_t unique = 0;
     for (size_t v = 0, i = 0; v < vertex_count; ++v) {
-        const size_t first = unique;
-        sph__sort(keys + i, ends[v] - i);
-        for (; i < ends[v]; ++i)
-            if (unique == first || keys[i].key != keys[unique - 1].key) keys[unique++] = (sph__keyed){keys[i].key, v};
+        const size_t end = ends[v];
+        for (; i < end; ++i) {
+            const uint32_t high = highs[i];
+            if (nodes[high].mark == v + 1) continue;
+            nodes[high].mark = (uint32_t)v + 1;
+            highs[unique++] = high;
+        }
+        ends[v] = unique;
     }
+    for (size_t v = 0; v < vertex_count; ++v) nodes[v].mark = 0;
     return unique;
 }
 
 static sph_status make_edges(sph__connectivity *c, uint32_t vertex_count, const uint32_t *triangles,
                              size_t triangle_count, const uint32_t *edges, size_t edge_count)
 {
-    sph__keyed *keys = sph__alloc(c->context, 3 * triangle_count + edge_count, sizeof *keys);
+    uint32_t *highs = sph__alloc(c->context, 3 * triangle_count + edge_count, sizeof *highs);
     size_t *ends = sph__zalloc(c->context, vertex_count, sizeof *ends);
-    if (keys != NULL && ends != NULL) {
+    if (highs != NULL && ends != NULL) {
         size_t unique;
         sort_in_all(NULL, ends, triangles, triangle_count, edges, edge_count);
         begin_each(ends, vertex_count);
-        sort_in_all(keys, ends, triangles, triangle_count, edges, edge_count);
-        unique = unite_pairs(keys, ends, vertex_count);
+        sort_in_all(highs, ends, triangles, triangle_count, edges, edge_count);
+        unique = unite_pairs(highs, ends, vertex_count, c->nodes);
         c->edges = unique > UINT32_MAX - 1 ? NULL : sph__alloc(c->context, unique, sizeof *c->edges);
         if (c->edges != NULL) c->edge_count = (uint32_t)unique;
-        for (uint32_t i = 0; i < c->edge_count; ++i) {
-            c->edges[i] = (sph__edge){{(uint32_t)keys[i].item, (uint32_t)keys[i].key}, SPH__NO_COST};
+        for (uint32_t i = 0, v = 0; i < c->edge_count; ++i) {
+            while (i >= ends[v]) ++v;
+            c->edges[i] = (sph__edge){{v, highs[i]}, SPH__NO_COST};
         }
     }
-    sph__free(c->context, keys);
+    sph__free(c->context, highs);
     sph__free(c->context, ends);
     return c->edges == NULL ? sph__fail_memory(c->context) : SPH_OK;
 }
@@ -189,12 +195,10 @@ sph_status sph__connectivity_init(sph__connectivity *c, const sph_context *conte
     const size_t node_count = 2 * (size_t)vertex_count;
     sph_status status;
     *c = (sph__connectivity){.context = context, .two_sided = two_sided};
-    status = make_edges(c, vertex_count, triangles, triangle_count, edges, edge_count);
+    c->nodes = sph__zalloc(context, node_count, sizeof *c->nodes);
+    status = c->nodes == NULL ? sph__fail_memory(context) : SPH_OK;
+    if (status == SPH_OK) status = make_edges(c, vertex_count, triangles, triangle_count, edges, edge_count);
     if (status == SPH_OK) status = make_triangles(c, vertex_count, triangles, triangle_count, numbers);
-    if (status == SPH_OK) {
-        c->nodes = sph__zalloc(context, node_count, sizeof *c->nodes);
-        if (c->nodes == NULL) status = sph__fail_memory(context);
-    }
     if (status == SPH_OK) status = list_incidences(c, vertex_count);
     if (status != SPH_OK) sph__connectivity_free(c);
     return status;
@@ -215,22 +219,20 @@ void sph__connectivity_free(sph__connectivity *c)
 
 /* --- a collapse --- */
 
-/* The lists of u become those of w, with room for what v has. */
+/* The lists of u become those of w. */
 static sph_status take_lists(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
 {
     sph__node *from = &c->nodes[u], *to = &c->nodes[w];
     const size_t edges = (size_t)from->edges.count + c->nodes[v].edges.count;
     const size_t triangles = (size_t)from->triangles.count + c->nodes[v].triangles.count;
-    sph_status status;
     to->edges = from->edges;
     to->triangles = from->triangles;
     from->edges = from->triangles = (sph__list){0};
-    status = sph__list_reserve(&c->lists, &to->edges, edges);
-    if (status == SPH_OK) status = sph__list_reserve(&c->lists, &to->triangles, triangles);
-    if (!sph__reserve(c->context, (void **)&c->removed, &c->removed_capacity, edges, sizeof *c->removed) ||
-        !sph__reserve(c->context, (void **)&c->keys, &c->key_capacity, triangles, sizeof *c->keys))
-        status = sph__fail_memory(c->context);
-    return status;
+    c->removed_count = 0;
+    return sph__reserve(c->context, (void **)&c->removed, &c->removed_capacity, edges, sizeof *c->removed) &&
+                   sph__reserve(c->context, (void **)&c->keys, &c->key_capacity, triangles, sizeof *c->keys)
+               ? SPH_OK
+               : sph__fail_memory(c->context);
 }
 
 /* Renames the end `from` of an edge; returns the other. */
@@ -242,20 +244,23 @@ static uint32_t rename_end(sph__edge *edge, uint32_t from, uint32_t to)
 }
 
 /* The edges of u and v, to w; of those to a neighbour of both that of u stays. */
-static void move_edges(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
+static sph_status move_edges(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
 {
     sph__list *list = &c->nodes[w].edges;
-    uint32_t *items = sph__list_items(&c->lists, list), kept = 0;
-    for (uint32_t i = 0; i < list->count; ++i) {
-        const uint32_t x = rename_end(&c->edges[items[i]], u, w);
+    const uint32_t count = list->count;
+    uint32_t *items = sph__edges_of(c, w);
+    sph_status status = SPH_OK;
+    list->count = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t e = items[i], x = rename_end(&c->edges[e], u, w);
         if (x == v) {
-            c->removed[c->removed_count++] = items[i];
+            c->removed[c->removed_count++] = e;
         } else {
             c->nodes[x].mark = w;
-            items[kept++] = items[i];
+            sph__list_put(&c->lists, list, e);
         }
     }
-    for (uint32_t i = 0; i < sph__edge_count_of(c, v); ++i) {
+    for (uint32_t i = 0; i < sph__edge_count_of(c, v) && status == SPH_OK; ++i) {
         const uint32_t e = sph__edges_of(c, v)[i], x = rename_end(&c->edges[e], v, w);
         if (x == w) continue; /* the one that collapses */
         if (c->nodes[x].mark == w) {
@@ -264,11 +269,11 @@ static void move_edges(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
             __builtin_prefetch(sph__triangles_of(c, x));
             c->removed[c->removed_count++] = e;
         } else {
-            items[kept++] = e;
+            status = sph__list_add(&c->lists, list, e);
         }
     }
-    list->count = kept;
     sph__list_drop(&c->lists, &c->nodes[v].edges);
+    return status;
 }
 
 /* Takes what was removed from the lists of the neighbours. */
@@ -298,23 +303,26 @@ static bool rename_corner(sph__connectivity *c, uint32_t t, uint32_t from, uint3
     return true;
 }
 
-static void move_triangles(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
+static sph_status move_triangles(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
 {
     sph__list *list = &c->nodes[w].triangles;
-    uint32_t *items = sph__list_items(&c->lists, list), kept = 0;
+    const uint32_t count = list->count;
+    uint32_t *items = sph__triangles_of(c, w);
     size_t vanished = 0;
-    for (uint32_t i = 0; i < list->count; ++i)
+    sph_status status = SPH_OK;
+    list->count = 0;
+    for (uint32_t i = 0; i < count; ++i)
         if (rename_corner(c, items[i], u, v, w))
-            items[kept++] = items[i];
+            sph__list_put(&c->lists, list, items[i]);
         else
             c->keys[vanished++].item = items[i];
-    for (uint32_t i = 0; i < sph__triangle_count_of(c, v); ++i) {
+    for (uint32_t i = 0; i < sph__triangle_count_of(c, v) && status == SPH_OK; ++i) {
         const uint32_t t = sph__triangles_of(c, v)[i];
-        if (rename_corner(c, t, v, u, w)) items[kept++] = t;
+        if (rename_corner(c, t, v, u, w)) status = sph__list_add(&c->lists, list, t);
     }
-    list->count = kept;
     sph__list_drop(&c->lists, &c->nodes[v].triangles);
     while (vanished-- > 0) unlist_triangle(c, (uint32_t)c->keys[vanished].item, u, v);
+    return status;
 }
 
 /* Triangles of the same corners came from u and from v, so their other corners were neighbours of both. */
@@ -352,11 +360,10 @@ static void unite_triangles(sph__connectivity *c, uint32_t w)
 
 sph_status sph__connectivity_collapse(sph__connectivity *c, uint32_t u, uint32_t v, uint32_t w)
 {
-    const sph_status status = take_lists(c, u, v, w);
-    c->removed_count = 0;
+    sph_status status = take_lists(c, u, v, w);
+    if (status == SPH_OK) status = move_edges(c, u, v, w);
+    if (status == SPH_OK) status = move_triangles(c, u, v, w);
     if (status != SPH_OK) return status;
-    move_edges(c, u, v, w);
-    move_triangles(c, u, v, w);
     unlist_edges(c, w);
     if (c->two_sided || may_be_double(c, w)) unite_triangles(c, w);
     return SPH_OK;

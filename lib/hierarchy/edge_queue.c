@@ -130,6 +130,8 @@ static bool touch(sph__edge_queue *queue, uint32_t node)
 sph_status sph__edge_queue_refuse(sph__edge_queue *queue, sph__connectivity *mesh, uint32_t edge, double cost)
 {
     const uint32_t *ends = mesh->edges[edge].ends;
+    const sph_status status = sph__heap_reserve(&queue->refused, mesh->edge_count); /* at once: it is by edge */
+    if (status != SPH_OK) return status;
     if (!touch(queue, ends[0]) || !touch(queue, ends[1])) return sph__fail_memory(queue->refused.context);
     mesh->edges[edge].cost = SPH__REFUSED;
     return sph__heap_set(&queue->refused, edge, cost, tie_of(mesh, edge));

@@ -92,14 +92,15 @@ static sph_status find_components(const sph__builder *b, uint32_t **roots)
 typedef struct volumes {
     const sph__builder *b;
     const uint32_t *roots;
-    double (*triangles)[2]; /* signed volume and area, over all frames */
+    size_t first;           /* of the triangles at work */
+    double (*triangles)[2]; /* signed volume and area of each, over all frames */
 } volumes;
 
 static void measure_range(void *argument, size_t begin, size_t end)
 {
     const volumes *v = argument;
     for (size_t t = begin; t < end; ++t) {
-        const uint32_t *corner = v->b->cells + 3 * t;
+        const uint32_t *corner = v->b->cells + 3 * (v->first + t);
         sph__kernel_volume(sph__node_center(v->b, v->roots[corner[0]]), sph__node_center(v->b, corner[0]),
                            sph__node_center(v->b, corner[1]), sph__node_center(v->b, corner[2]), v->b->stride,
                            v->triangles[t]);
@@ -115,7 +116,7 @@ static void measure_single_range(void *argument, size_t begin, size_t end)
     for (size_t t = begin; t < end; t += SPH__LANES) {
         const size_t count = end - t < SPH__LANES ? end - t : SPH__LANES;
         for (size_t l = 0; l < count; ++l) {
-            const uint32_t *corner = v->b->cells + 3 * (t + l);
+            const uint32_t *corner = v->b->cells + 3 * (v->first + t + l);
             for (size_t k = 0; k < 3; ++k) {
                 corners[0][k][l] = sph__node_center(v->b, v->roots[corner[0]])[k];
                 for (size_t c = 0; c < 3; ++c) corners[c + 1][k][l] = sph__node_center(v->b, corner[c])[k];
@@ -129,12 +130,16 @@ static void measure_single_range(void *argument, size_t begin, size_t end)
 /* Adds them up by component. */
 static sph_status add_volumes(const sph__builder *b, const uint32_t *roots, double (*sums)[2])
 {
-    enum { GRAIN = 64 };
-    volumes v = {b, roots, sph__alloc(b->context, b->cell_count, sizeof *v.triangles)};
+    enum { GRAIN = 64, CHUNK = 1 << 14 };
+    volumes v = {b, roots, 0, sph__alloc(b->context, CHUNK, sizeof *v.triangles)};
     if (v.triangles == NULL) return sph__fail_memory(b->context);
-    sph__parallel_for(b->context, b->cell_count, GRAIN, b->single ? measure_single_range : measure_range, &v);
-    for (size_t t = 0; t < b->cell_count; ++t)
-        for (unsigned k = 0; k < 2; ++k) sums[roots[b->cells[3 * t]]][k] += v.triangles[t][k];
+    for (size_t i = 0; i < b->n; ++i) sums[roots[i]][0] = sums[roots[i]][1] = 0;
+    for (; v.first < b->cell_count; v.first += CHUNK) {
+        const size_t count = b->cell_count - v.first < CHUNK ? b->cell_count - v.first : CHUNK;
+        sph__parallel_for(b->context, count, GRAIN, b->single ? measure_single_range : measure_range, &v);
+        for (size_t t = 0; t < count; ++t)
+            for (unsigned k = 0; k < 2; ++k) sums[roots[b->cells[3 * (v.first + t)]]][k] += v.triangles[t][k];
+    }
     sph__free(b->context, v.triangles);
     return SPH_OK;
 }
@@ -160,7 +165,7 @@ static sph_status orient_outward(sph__builder *b)
     double(*sums)[2];
     sph_status status = find_components(b, &roots);
     if (status != SPH_OK) return status;
-    sums = sph__zalloc(b->context, b->n, sizeof *sums);
+    sums = sph__alloc(b->context, b->n, sizeof *sums); /* those of roots are used alone */
     status = sums == NULL ? sph__fail_memory(b->context) : add_volumes(b, roots, sums);
     if (status == SPH_OK) turn_inward_components(b, roots, sums);
     sph__free(b->context, sums);

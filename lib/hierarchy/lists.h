@@ -47,6 +47,8 @@ static inline void sph__list_put(const sph__lists *lists, sph__list *list, uint3
 {
     sph__list_items(lists, list)[list->count++] = item;
 }
+/* Adds one item; SPH_E_NOMEM leaves the list as it was. */
+sph_status sph__list_add(sph__lists *lists, sph__list *list, uint32_t item);
 /* Removes the first occurrence, the last item takes its place. */
 void sph__list_remove(const sph__lists *lists, sph__list *list, uint32_t item);
 /* Empties the list and gives its room back. */

@@ -58,9 +58,20 @@ sph_status sph__births_add(sph__births *births, const sph__connectivity *mesh, u
     return SPH_OK;
 }
 
+/* Collapses bring somewhat more than twice as many simplices as there are at the start: room for what is likely. */
+static sph_status reserve_all(sph__births *births, const sph__connectivity *mesh)
+{
+    const size_t edges = (size_t)mesh->edge_count / 2 * 7, triangles = (size_t)mesh->triangle_count * 8;
+    return sph__reserve(mesh->context, (void **)&births->edges, &births->edge_capacity, edges, sizeof *births->edges) &&
+                   sph__reserve(mesh->context, (void **)&births->triangles, &births->triangle_capacity, triangles,
+                                sizeof *births->triangles)
+               ? SPH_OK
+               : sph__fail_memory(mesh->context);
+}
+
 sph_status sph__births_add_leaves(sph__births *births, const sph__connectivity *mesh, uint32_t count)
 {
-    sph_status status = SPH_OK;
+    sph_status status = reserve_all(births, mesh);
     births->edge_starts[0] = births->triangle_starts[0] = 0;
     for (uint32_t v = 0; v < count && status == SPH_OK; ++v)
         status = sph__births_add(births, mesh, v);

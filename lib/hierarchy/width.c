@@ -239,5 +239,5 @@ sph_status sph__make_widths(sph__builder *b)
         for (size_t k = 0; k < 3; ++k)
             b->direction_rows[k * stride + j] = b->directions[j < b->direction_count ? j : b->direction_count - 1][k];
     sph__parallel_for(b->context, b->n, GRAIN, all ? probe_leaves : bound_leaves, b);
-    return sph__extents_init(b, &b->extents);
+    return all && !b->h->radii_per_frame ? SPH_OK : sph__extents_init(b, &b->extents);
 }
