@@ -68,7 +68,7 @@ static sph_status allocate_hierarchy(sph__builder *b)
 }
 
 /* What blocks and the centres of collapses may take, in sizes of the input, where leaves can do without blocks. */
-#define BLOCK_SHARE 2.15
+#define BLOCK_SHARE 2.1
 /* Blocks of leaves that are no larger than this, in bytes, are all kept: other things take more. */
 enum { SMALL_BLOCK = 1024 };
 

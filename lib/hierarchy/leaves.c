@@ -354,7 +354,7 @@ sph_status sph__need_leaf(sph__builder *b, uint32_t node)
 
 void sph__limit_leaves(sph__builder *b)
 {
-    enum { LEAST = 256 };
+    enum { LEAST = 128 };
     const size_t collapses = b->h->collapse_count * b->node_floats * sizeof(float);
     const size_t regions = sph__blocks_bytes(&b->blocks) + collapses, block = b->leaf_blocks.size * sizeof(float);
     const size_t left = regions < b->block_budget ? (b->block_budget - regions) / block : 0;
