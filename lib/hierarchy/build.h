@@ -152,8 +152,10 @@ sph_status sph__make_widths(sph__builder *b);
 sph_status sph__decimate(sph__builder *b);
 void sph__restore_size(sph__builder *b);
 
-/* `largest`: of all coordinates, without sign. */
-void sph__normalise_size(sph__builder *b, double largest);
+/* The exponent of the power of two that brings a mean diagonal near 1; `largest`: of all coordinates, without sign. */
+int sph__size_exponent(double diagonal, double largest);
+/* Brings all to that size, from 2^size_exponent. */
+void sph__normalise_size(sph__builder *b, double diagonal, double largest);
 
 /*
  * Importance from curvature: the plane that a vertex of positive curvature adds to its leaf's quadric; returns what it

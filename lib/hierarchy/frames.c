@@ -19,6 +19,7 @@ typedef struct batch {
     double diagonals[BATCH_FRAMES]; /* of bounding boxes */
     float largest[BATCH_FRAMES];    /* coordinates without sign */
     uint8_t refused[BATCH_FRAMES];  /* some coordinate is beyond the limit, or no number */
+    double factor;                  /* that brings the first batch near size 1 */
 } batch;
 
 /* Eight vertices at a time; how they end up in lanes makes no difference to what is least and greatest. */
@@ -79,9 +80,9 @@ static void scatter_vertices(void *argument, size_t begin, size_t end)
         float *row = b->h->centers + v * b->node_floats + frames->first;
         for (size_t f = 0; f < frames->count; ++f) {
             const float *xyz = frames->xyz[f] + 3 * v;
-            row[f] = xyz[0];
-            row[s + f] = xyz[1];
-            row[2 * s + f] = xyz[2];
+            row[f] = (float)(xyz[0] * frames->factor);
+            row[s + f] = (float)(xyz[1] * frames->factor);
+            row[2 * s + f] = (float)(xyz[2] * frames->factor);
         }
         /* Padding: zeros, so that its matrices are zero. */
         for (size_t f = frames->first + frames->count == b->frames ? frames->count : s; f + frames->first < s; ++f)
@@ -100,6 +101,16 @@ static sph_status refuse_frame(const sph__builder *b, uint32_t frame, const floa
                      (double)xyz[i], (double)COORDINATE_LIMIT);
 }
 
+/* Most often the size of the first frames is that of all: then coordinates are scaled on their way. By a factor that takes
+ * none of them beyond what a float holds. */
+static void guess_size(batch *frames, double diagonal, double largest)
+{
+    enum { LEAST_EXPONENT = -60 };
+    const int exponent = sph__size_exponent(diagonal, largest);
+    frames->b->size_exponent = exponent < LEAST_EXPONENT ? LEAST_EXPONENT : exponent;
+    frames->factor = ldexp(1.0, -frames->b->size_exponent);
+}
+
 /* Sends a batch off. */
 static sph_status finish_batch(batch *frames, double *diagonals, float *largest)
 {
@@ -110,6 +121,7 @@ static sph_status finish_batch(batch *frames, double *diagonals, float *largest)
         *diagonals += frames->diagonals[f];
         *largest = fmaxf(*largest, frames->largest[f]);
     }
+    if (frames->first == 0) guess_size(frames, *diagonals / frames->count, (double)*largest);
     sph__parallel_for(b->context, b->n, BATCH_GRAIN, scatter_vertices, frames);
     frames->first += frames->count;
     frames->count = 0;
@@ -134,8 +146,7 @@ sph_status sph__load_frames(sph__builder *b)
         if (status != SPH_OK) break;
         if (++frames.count == BATCH_FRAMES || f + 1 == b->frames) status = finish_batch(&frames, &diagonals, &largest);
     }
-    b->h->bounding_diagonal = diagonals / b->frames;
     sph__free(b->context, frames.pulled);
-    if (status == SPH_OK) sph__normalise_size(b, (double)largest);
+    if (status == SPH_OK) sph__normalise_size(b, diagonals / b->frames, (double)largest);
     return status;
 }

@@ -31,16 +31,21 @@ static void scale_rows(const sph__builder *b, float *rows, size_t count, size_t 
     if (exponent != 0) sph__parallel_for(b->context, count, GRAIN, scale_range, &s);
 }
 
-void sph__normalise_size(sph__builder *b, double largest)
+int sph__size_exponent(double diagonal, double largest)
 {
     int exponent = 0, highest = 0;
-    if (!(b->h->bounding_diagonal > 0)) return;
-    frexp(b->h->bounding_diagonal, &exponent);
+    if (!(diagonal > 0)) return 0;
+    frexp(diagonal, &exponent);
     frexp(largest, &highest);
-    if (exponent < highest - LARGEST_EXPONENT) exponent = highest - LARGEST_EXPONENT;
+    return exponent < highest - LARGEST_EXPONENT ? highest - LARGEST_EXPONENT : exponent;
+}
+
+void sph__normalise_size(sph__builder *b, double diagonal, double largest)
+{
+    const int exponent = sph__size_exponent(diagonal, largest);
+    scale_rows(b, b->h->centers, b->n, b->node_floats, b->size_exponent - exponent);
     b->size_exponent = exponent;
-    b->h->bounding_diagonal = ldexp(b->h->bounding_diagonal, -exponent);
-    scale_rows(b, b->h->centers, b->n, b->node_floats, -exponent);
+    b->h->bounding_diagonal = ldexp(diagonal, -exponent);
 }
 
 void sph__restore_size(sph__builder *b)
