@@ -238,9 +238,10 @@ static sph_status take_lists(sph__connectivity *c, uint32_t u, uint32_t v, uint3
 /* Renames the end `from` of an edge; returns the other. */
 static uint32_t rename_end(sph__edge *edge, uint32_t from, uint32_t to)
 {
-    const unsigned k = edge->ends[0] == from ? 0 : 1;
-    edge->ends[k] = to;
-    return edge->ends[1 - k];
+    const uint32_t other = edge->ends[0] ^ edge->ends[1] ^ from;
+    edge->ends[0] = edge->ends[0] == from ? to : edge->ends[0];
+    edge->ends[1] = edge->ends[1] == from ? to : edge->ends[1];
+    return other;
 }
 
 /* The edges of u and v, to w; of those to a neighbour of both that of u stays. */
@@ -298,8 +299,8 @@ static void unlist_triangle(sph__connectivity *c, uint32_t t, uint32_t except1, 
 static bool rename_corner(sph__connectivity *c, uint32_t t, uint32_t from, uint32_t gone, uint32_t w)
 {
     uint32_t *corner = c->triangles[t];
-    if (corner[0] == gone || corner[1] == gone || corner[2] == gone) return false;
-    corner[corner[0] == from ? 0 : corner[1] == from ? 1 : 2] = w;
+    if ((corner[0] == gone) | (corner[1] == gone) | (corner[2] == gone)) return false;
+    for (unsigned k = 0; k < 3; ++k) corner[k] = corner[k] == from ? w : corner[k];
     return true;
 }
 

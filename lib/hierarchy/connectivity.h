@@ -73,8 +73,7 @@ static inline uint32_t sph__triangle_count_of(const sph__connectivity *c, uint32
 
 static inline uint32_t sph__edge_other(const sph__connectivity *c, uint32_t edge, uint32_t node)
 {
-    const uint32_t *ends = c->edges[edge].ends;
-    return ends[0] == node ? ends[1] : ends[0];
+    return c->edges[edge].ends[0] ^ c->edges[edge].ends[1] ^ node; /* no branch that depends on which it is */
 }
 
 /* Unites u and v into w: the edge (u, v) and what has become double go into `removed`. */
@@ -83,10 +82,11 @@ sph_status sph__connectivity_collapse(sph__connectivity *c, uint32_t u, uint32_t
 /* The two other corners of triangle t, in the order of its winding after `node`. */
 static inline void sph__triangle_others(const sph__connectivity *c, uint32_t t, uint32_t node, uint32_t others[2])
 {
+    static const uint8_t next[] = {1, 2, 0, 1};
     const uint32_t *corner = c->triangles[t];
-    const unsigned at = corner[0] == node ? 0 : corner[1] == node ? 1 : 2;
-    others[0] = corner[(at + 1) % 3];
-    others[1] = corner[(at + 2) % 3];
+    const unsigned at = (corner[1] == node) + 2u * (corner[2] == node);
+    others[0] = corner[next[at]];
+    others[1] = corner[next[at + 1]];
 }
 
 #endif

@@ -62,13 +62,6 @@ sph_status sph__list_reserve(sph__lists *lists, sph__list *list, size_t count)
     return SPH_OK;
 }
 
-sph_status sph__list_add(sph__lists *lists, sph__list *list, uint32_t item)
-{
-    const sph_status status = sph__list_reserve(lists, list, (size_t)list->count + 1);
-    if (status == SPH_OK) sph__list_put(lists, list, item);
-    return status;
-}
-
 void sph__list_remove(const sph__lists *lists, sph__list *list, uint32_t item)
 {
     uint32_t *items = sph__list_items(lists, list);

@@ -48,7 +48,13 @@ static inline void sph__list_put(const sph__lists *lists, sph__list *list, uint3
     sph__list_items(lists, list)[list->count++] = item;
 }
 /* Adds one item; SPH_E_NOMEM leaves the list as it was. */
-sph_status sph__list_add(sph__lists *lists, sph__list *list, uint32_t item);
+static inline sph_status sph__list_add(sph__lists *lists, sph__list *list, uint32_t item)
+{
+    const bool full = list->count % SPH__LIST_STEP == 0; /* perhaps */
+    const sph_status status = full ? sph__list_reserve(lists, list, (size_t)list->count + 1) : SPH_OK;
+    if (status == SPH_OK) sph__list_put(lists, list, item);
+    return status;
+}
 /* Removes the first occurrence, the last item takes its place. */
 void sph__list_remove(const sph__lists *lists, sph__list *list, uint32_t item);
 /* Empties the list and gives its room back. */
