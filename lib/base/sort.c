@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/base.h"
 
-enum { FEW = 12 };
-
 static bool before(const sph__keyed *a, const sph__keyed *b)
 {
     return a->key != b->key ? a->key < b->key : a->item < b->item;
@@ -19,32 +17,8 @@ static void sift_down(sph__keyed *a, size_t root, size_t count)
     a[root] = moving;
 }
 
-/* By how many others are before each: there is no branch that depends on the order. */
-static void sort_few(sph__keyed *a, size_t count)
-{
-    sph__keyed from[FEW];
-    size_t places[FEW], sorted = 1;
-    while (sorted < count && !before(&a[sorted], &a[sorted - 1])) ++sorted;
-    if (sorted >= count) return;
-    for (size_t i = 0; i < count; ++i) {
-        from[i] = a[i];
-        places[i] = 0;
-        for (size_t j = 0; j < i; ++j) {
-            const size_t first = (from[i].key < from[j].key) |
-                                 ((from[i].key == from[j].key) & (from[i].item < from[j].item));
-            places[j] += first;
-            places[i] += 1 - first;
-        }
-    }
-    for (size_t i = 0; i < count; ++i) a[places[i]] = from[i];
-}
-
 void sph__sort(sph__keyed *a, size_t count)
 {
-    if (count <= FEW) {
-        sort_few(a, count);
-        return;
-    }
     if (count <= 24) {
         for (size_t i = 1; i < count; ++i) {
             const sph__keyed moving = a[i];

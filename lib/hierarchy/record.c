@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What is kept of simplices: each with its youngest vertex. */
 #include "hierarchy/collapses.h"
+#include "hierarchy/ranks.h"
 
 static sph_status reserve(sph__births *births, const sph_context *context, uint32_t edges, uint32_t triangles)
 {
@@ -14,6 +15,22 @@ static sph_status reserve(sph__births *births, const sph_context *context, uint3
     return SPH_OK;
 }
 
+/* Brings the keys into order, which are all different. Of fewer than FEW it takes longer to count than to move them. */
+enum { FEW = 5 };
+
+static void order(sph__keyed *keys, size_t count)
+{
+    uint64_t few[SPH__RANKED], items[SPH__RANKED], ranks[SPH__RANKED];
+    if (count < FEW || count > SPH__RANKED) {
+        sph__sort(keys, count);
+        return;
+    }
+    for (size_t i = 0; i < SPH__RANKED; ++i) few[i] = i < count ? keys[i].key : UINT64_MAX;
+    for (size_t i = 0; i < count; ++i) items[i] = keys[i].item;
+    sph__kernel_ranks(few, count, ranks);
+    for (size_t i = 0; i < count; ++i) keys[ranks[i]] = (sph__keyed){few[i], items[i]};
+}
+
 static void add_edges(sph__births *births, const sph__connectivity *mesh, uint32_t node)
 {
     const uint32_t *edges = sph__edges_of(mesh, node);
@@ -21,9 +38,10 @@ static void add_edges(sph__births *births, const sph__connectivity *mesh, uint32
     size_t kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t other = sph__edge_other(mesh, edges[i], node);
-        if (other < node) births->keys[kept++] = (sph__keyed){other, 0};
+        births->keys[kept] = (sph__keyed){other, 0};
+        kept += other < node;
     }
-    sph__sort(births->keys, kept);
+    order(births->keys, kept);
     for (size_t i = 0; i < kept; ++i)
         births->edges[births->edge_count++] = (uint32_t)births->keys[i].key;
 }
@@ -36,10 +54,10 @@ static void add_triangles(sph__births *births, const sph__connectivity *mesh, ui
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t others[2];
         sph__triangle_others(mesh, triangles[i], node, others);
-        if (others[0] < node && others[1] < node)
-            births->keys[kept++] = (sph__keyed){(uint64_t)others[0] << 32 | others[1], triangles[i]};
+        births->keys[kept] = (sph__keyed){(uint64_t)others[0] << 32 | others[1], triangles[i]};
+        kept += (others[0] < node) & (others[1] < node);
     }
-    sph__sort(births->keys, kept);
+    order(births->keys, kept);
     for (size_t i = 0; i < kept; ++i) {
         births->triangles[births->triangle_count++] = (uint32_t)(births->keys[i].key >> 32);
         births->triangles[births->triangle_count++] = (uint32_t)births->keys[i].key;
