@@ -5,7 +5,7 @@
 
 /* The heap is filled up when it has fewer edges than FEWEST, with one in PART of what is left; of MANY edges or fewer none
  * waits. The limit is chosen by SAMPLES of the costs. */
-enum { FEWEST = 512, PART = 32, MANY = 1 << 14, SAMPLES = 512 };
+enum { FEWEST = 512, PART = 16, MANY = 1 << 14, SAMPLES = 512 };
 
 void sph__edge_queue_init(sph__edge_queue *queue, sph_context *context)
 {
@@ -83,31 +83,22 @@ static double choose_limit(const sph__edge_queue *queue, const sph__connectivity
     return (double)INFINITY;
 }
 
-/* Drops what is no more from those that wait. */
-static void compact(sph__edge_queue *queue, const sph__connectivity *mesh)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < queue->waiting_count; ++i) {
-        const uint32_t edge = queue->waiting[i];
-        queue->waiting[kept] = edge;
-        kept += !(mesh->edges[edge].cost <= SPH__GONE);
-    }
-    queue->waiting_count = kept;
-}
-
-/* Raises the limit, and puts those below it into the heap. */
+/* Raises the limit, and puts those below it into the heap; drops what is no more from those that wait. */
 static void fill_up(sph__edge_queue *queue, const sph__connectivity *mesh)
 {
     const double before = queue->limit;
-    compact(queue, mesh);
+    size_t kept = 0;
     queue->all = queue->waiting_count <= MANY || isinf(before);
     queue->limit = queue->all ? (double)INFINITY : choose_limit(queue, mesh);
     for (size_t i = 0; i < queue->waiting_count; ++i) {
         const uint32_t edge = queue->waiting[i];
         const double cost = mesh->edges[edge].cost;
-        if (!sph__edge_queue_sorts(queue, cost) || cost < before) continue;
-        sph__heap_append(&queue->open, edge, cost, tie_of(mesh, edge));
+        queue->waiting[kept] = edge;
+        kept += !(cost <= SPH__GONE);
+        if (sph__edge_queue_sorts(queue, cost) && !(cost < before))
+            sph__heap_append(&queue->open, edge, cost, tie_of(mesh, edge));
     }
+    queue->waiting_count = kept;
     sph__heap_order(&queue->open);
 }
 

@@ -72,9 +72,11 @@ void sph__copy_widths(const sph__builder *b, sph__slot *to, const sph__slot *fro
 
 void sph__prefetch_widths(const sph__builder *b, const sph__slot *slot)
 {
+    enum { MOST = 512 };
     const char *row = b->probes == NULL ? (const char *)sph__probe_bounds_of(b, slot) : (const char *)sph__probes_of(b, slot);
     const size_t size = 2 * b->probe_count * (b->probes == NULL ? sizeof(float) : sizeof(double));
-    for (size_t i = 0; i < size && i < 512; i += 64) __builtin_prefetch(row + i);
+    for (size_t i = 0; i < MOST && i < size; i += 256)
+        for (size_t k = 0; k < 256; k += 64) __builtin_prefetch(row + i + k);
 }
 
 #define UNITE_INTERVALS(low, other, count) \

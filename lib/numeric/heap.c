@@ -41,6 +41,20 @@ static void sift_up(sph__heap *heap, size_t place, sph__heap_entry entry)
     put(heap, place, entry);
 }
 
+/* The first of four siblings: without branches that depend on it, but where keys are equal, or no number. */
+static inline size_t first_of_four(const sph__heap *heap, size_t first)
+{
+    const sph__heap_entry *e = heap->entries + first;
+    const size_t a = e[1].key < e[0].key, b = 2 + (e[3].key < e[2].key);
+    const size_t best = e[b].key < e[a].key ? b : a;
+    size_t equal = 0;
+    for (size_t i = 0; i < ARITY; ++i) equal += !(e[best].key < e[i].key);
+    if (equal == 1) return first + best;
+    for (size_t i = equal = 0; i < ARITY; ++i)
+        if (comes_before(heap, &e[i], &e[equal])) equal = i;
+    return first + equal;
+}
+
 static void sift_down(sph__heap *heap, size_t place, sph__heap_entry entry)
 {
     /* Below this place every node has a child. */
@@ -51,8 +65,11 @@ static void sift_down(sph__heap *heap, size_t place, sph__heap_entry entry)
         size_t best = first;
         if ((first + ARITY) * ARITY < heap->count) /* all their children, as one of them is next */
             for (size_t i = 0; i < ARITY; ++i) __builtin_prefetch(&heap->entries[(first + i) * ARITY + 1]);
-        for (size_t child = first + 1; child < end; ++child)
-            if (comes_before(heap, &heap->entries[child], &heap->entries[best])) best = child;
+        if (end - first == ARITY)
+            best = first_of_four(heap, first);
+        else
+            for (size_t child = first + 1; child < end; ++child)
+                if (comes_before(heap, &heap->entries[child], &heap->entries[best])) best = child;
         if (!comes_before(heap, &heap->entries[best], &entry)) break;
         put(heap, place, heap->entries[best]);
         place = best;
