@@ -59,10 +59,8 @@ SPH__INLINE void narrow_lane(sph__query_aim *aim, const exact *e, int k, int i)
 {
     const double start = aim->from[k][i] + aim->start[i] * aim->way[k][i];
     const float slope = (float)(aim->span[i] * aim->way[k][i]), width = (float)e->reach[i];
-    const double ahead = copysign(e->reach[i], slope);
-    const float big = copysignf(1e30f, slope);
-    aim->before[k][i] = width < 1e3f ? (float)(start + ahead) : big;
-    aim->after[k][i] = width < 1e3f ? (float)(start - ahead) : -big;
+    aim->above[k][i] = width < 1e3f ? (float)(start + e->reach[i]) : 1e30f;
+    aim->below[k][i] = width < 1e3f ? (float)(start - e->reach[i]) : -1e30f;
     aim->inverse[k][i] = 1 / (width < 1e3f ? slope + copysignf(1e-18f, slope) : copysignf(1.0f, slope));
     aim->place[k][i] = width < 1e3f ? (float)start : 0.0f;
     aim->slope[k][i] = width < 1e3f ? slope : 0.0f;
@@ -110,12 +108,15 @@ _Static_assert(sizeof(sph_sweep) == sizeof(sph__query_v8f), "a sweep is a row");
 SPH__CLONES static void aim_clones(sph__query_aim *aim, const sph__query_room *room, const sph_sweep *sweeps,
                                    const uint16_t *which)
 {
-#define SWEEP(i) &sweeps[which[i]]
+#define SWEEP(i) &sweeps[which[at + (i)]]
 #define COLUMN(i)                                                                                                      \
-    ((i) < 3 ? aim->place[(i) % 3] : (i) < 6 ? aim->direction[(i) % 3] : (i) == 6 ? aim->per_length : aim->reach)
+    (((i) < 3 ? aim->place[(i) % 3] : (i) < 6 ? aim->direction[(i) % 3] : (i) == 6 ? aim->per_length : aim->reach) + at)
+#define LINE(i) &aim->lines[at + (i)]
     float __attribute__((aligned(64))) ends[8][AIM];
     const double half[3] = {room->half[0], room->half[1], room->half[2]}, scale = room->scale;
-    SPH__QUERY_TRANSPOSE(SWEEP, ends[0], ends[1], ends[2], ends[3], ends[4], ends[5], ends[6], ends[7]);
+    for (int at = 0; at < AIM; at += 8)
+        SPH__QUERY_TRANSPOSE(SWEEP, ends[0] + at, ends[1] + at, ends[2] + at, ends[3] + at, ends[4] + at, ends[5] + at,
+                             ends[6] + at, ends[7] + at);
     for (int k = 0; k < 3; ++k) {
         const double origin = room->origin[k];
         for (int i = 0; i < AIM; ++i) {
@@ -127,14 +128,51 @@ SPH__CLONES static void aim_clones(sph__query_aim *aim, const sph__query_room *r
     for (int i = 0; i < AIM; ++i)
         aim->radius[i] = ends[6][i] * scale;
     aim_lanes(aim, half);
-    SPH__QUERY_TRANSPOSE(COLUMN, &aim->lines[0], &aim->lines[1], &aim->lines[2], &aim->lines[3], &aim->lines[4],
-                         &aim->lines[5], &aim->lines[6], &aim->lines[7]);
+    for (int at = 0; at < AIM; at += 8)
+        SPH__QUERY_TRANSPOSE(COLUMN, LINE(0), LINE(1), LINE(2), LINE(3), LINE(4), LINE(5), LINE(6), LINE(7));
 }
 
 void sph__query_aim_sweeps(sph__query_aim *aim, const sph__query_room *room, const sph_sweep *sweeps,
                            const uint16_t which[SPH__QUERY_AIM])
 {
     aim_clones(aim, room, sweeps, which);
+}
+
+#define EIGHT(of) ((sph__v8d){of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)})
+#define BEFORE(i) cuts[i]->before
+#define SPAN(i) cuts[i]->span
+
+SPH__CLONES static void moves_clones(sph__query_moves *m, uint32_t at, const sph__query_room *room,
+                                     const sph_sweep *const *sweeps, const sph__query_cut *const *cuts)
+{
+    float __attribute__((aligned(64))) ends[8][8];
+    double __attribute__((aligned(64))) before[8], span[8];
+    const double scale = room->scale;
+#define ROW(i) sweeps[i]
+    SPH__QUERY_TRANSPOSE(ROW, ends[0], ends[1], ends[2], ends[3], ends[4], ends[5], ends[6], ends[7]);
+    *(sph__v8d *)before = EIGHT(BEFORE); /* as a whole: what is written in pieces is slow to read so */
+    *(sph__v8d *)span = EIGHT(SPAN);
+    for (int k = 0; k < 3; ++k) {
+        const double origin = room->origin[k];
+        for (uint32_t i = 0; i < 8; ++i) {
+            const double from = (ends[k][i] - origin) * scale, to = (ends[3 + k][i] - origin) * scale, way = to - from;
+            m->start[k][at + i] = from + before[i] * way;
+            m->way[k][at + i] = span[i] * way;
+        }
+    }
+    for (uint32_t i = 0; i < 8; ++i) {
+        const double radius = ends[6][i] * scale;
+        m->radius[at + i] = radius;
+        m->tolerance[at + i] = 1e-14 * (1 + radius);
+    }
+    for (uint32_t i = at; i < at + 8; ++i)
+        m->squared[i] = m->way[0][i] * m->way[0][i] + m->way[1][i] * m->way[1][i] + m->way[2][i] * m->way[2][i];
+}
+
+void sph__query_aim_moves(sph__query_moves *moves, uint32_t at, const sph__query_room *room,
+                          const sph_sweep *const sweeps[8], const sph__query_cut *const cuts[8])
+{
+    moves_clones(moves, at, room, sweeps, cuts);
 }
 
 bool sph__query_aim_one(sph__query_aim *aim, const sph__query_room *room, const double from[3], const double to[3],

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Segments made ready, eight side by side: in the frame of the pose, cut to where they pass the solid, and in 32 bits
+ * Segments made ready, 16 side by side: in the frame of the pose, cut to where they pass the solid, and in 32 bits
  * for the bounds. Lanes do not mix, so that one alone gets the same bits.
  */
 #ifndef SPH_QUERY_AIM_H
@@ -12,7 +12,9 @@
 
 #include <sphmesh/query.h>
 
-enum { SPH__QUERY_AIM = 8 };
+#include "query/fan.h"
+
+enum { SPH__QUERY_AIM = 16 };
 
 /* A line as the parts of primitives see it (parts.h). */
 typedef struct __attribute__((aligned(32))) sph__query_line {
@@ -33,8 +35,8 @@ typedef struct __attribute__((aligned(64))) sph__query_aim {
     /* the part that passes the solid: of the whole it is start + t * span; a span below 0: none does */
     double start[SPH__QUERY_AIM], span[SPH__QUERY_AIM];
     /* what bounds need (kernel.h), in 32 bits */
-    float before[3][SPH__QUERY_AIM], after[3][SPH__QUERY_AIM]; /* the reach before and after the place */
-    float inverse[3][SPH__QUERY_AIM];                          /* 1 / slope, never infinite */
+    float above[3][SPH__QUERY_AIM], below[3][SPH__QUERY_AIM]; /* the place plus, minus the reach */
+    float inverse[3][SPH__QUERY_AIM];                         /* 1 / slope, never infinite */
     float place[3][SPH__QUERY_AIM], slope[3][SPH__QUERY_AIM], reach[SPH__QUERY_AIM];
     float direction[3][SPH__QUERY_AIM], per_length[SPH__QUERY_AIM];
     sph__query_line lines[SPH__QUERY_AIM]; /* the same again */
@@ -43,6 +45,15 @@ typedef struct __attribute__((aligned(64))) sph__query_aim {
 /* Of sweeps[which[..]]. */
 void sph__query_aim_sweeps(sph__query_aim *aim, const sph__query_room *room, const sph_sweep *sweeps,
                            const uint16_t which[SPH__QUERY_AIM]);
+
+/* What is left of a segment, s = before + t * span; a span below 0: nothing. */
+typedef struct sph__query_cut {
+    double before, span;
+} sph__query_cut;
+
+/* What is left of sweeps, from number `at` on, eight side by side. */
+void sph__query_aim_moves(sph__query_moves *moves, uint32_t at, const sph__query_room *room,
+                          const sph_sweep *const sweeps[8], const sph__query_cut *const cuts[8]);
 
 /* Of one whose ends and radius in the frame are given, but for its line; false: it does not pass the solid. */
 bool sph__query_aim_one(sph__query_aim *aim, const sph__query_room *room, const double from[3], const double to[3],

@@ -123,13 +123,13 @@ SPH__INLINE void evaluate(const sph__query_fan *f, const double x[3], const doub
     out->climb = climb;
 }
 
-SPH__INLINE void look(const sph__query_fan *f, const sph__query_move *m, sph__query_table *table, uint32_t i)
+SPH__INLINE void look(const sph__query_fan *f, const sph__query_moves *m, sph__query_table *table, uint32_t i)
 {
-    const double at = table->t[i];
-    const double x[3] = {m->start[0] + at * m->way[0], m->start[1] + at * m->way[1], m->start[2] + at * m->way[2]};
+    const double at = table->t[i], way[3] = {m->way[0][i], m->way[1][i], m->way[2][i]};
+    const double x[3] = {m->start[0][i] + at * way[0], m->start[1][i] + at * way[1], m->start[2][i] + at * way[2]};
     foot here;
-    evaluate(f, x, m->way, &here);
-    table->distance[i] = here.distance[here.lane] - m->radius;
+    evaluate(f, x, way, &here);
+    table->distance[i] = here.distance[here.lane] - m->radius[i];
     table->course[i] = here.course[here.lane];
     table->length[i] = here.length[here.lane];
     table->soft[i] = here.soft[here.lane];
@@ -137,8 +137,6 @@ SPH__INLINE void look(const sph__query_fan *f, const sph__query_move *m, sph__qu
     table->weights[1][i] = here.face[2];
     table->climbs[0][i] = here.climb[1];
     table->climbs[1][i] = here.climb[2];
-    table->squared[i] = m->squared;
-    table->tolerance[i] = m->tolerance;
 }
 
 /*
@@ -146,17 +144,17 @@ SPH__INLINE void look(const sph__query_fan *f, const sph__query_move *m, sph__qu
  * tangent says and (way * t)^2 / (2 length): where that is nothing, the next place need not be looked at. No more need
  * it where it is on the same face.
  */
-SPH__INLINE void go(sph__query_table *table, uint32_t i)
+SPH__INLINE void go(const sph__query_moves *moves, sph__query_table *table, uint32_t i)
 {
     const v4d zero = {0}, one = zero + 1.0, miss = zero + (double)SPH__QUERY_MISS;
     const v4d at = LOAD4(table->t + i), distance = LOAD4(table->distance + i), course = LOAD4(table->course + i);
-    const v4d tolerance = LOAD4(table->tolerance + i), soft = LOAD4(table->soft + i);
+    const v4d tolerance = LOAD4(moves->tolerance + i), soft = LOAD4(table->soft + i);
     const v4i nears = course < zero, touches = distance <= tolerance;
     const v4d onward = -(distance * LOAD4(table->length + i)) / SELECT4(nears, course, -one);
     const v4d first = LOAD4(table->weights[0] + i) + onward * LOAD4(table->climbs[0] + i);
     const v4d second = LOAD4(table->weights[1] + i) + onward * LOAD4(table->climbs[1] + i);
     const v4i is_flat = (soft < zero) & (first >= zero) & (second >= zero) & (first + second <= one);
-    const v4i is_small = onward * onward * LOAD4(table->squared + i) <= tolerance * soft;
+    const v4i is_small = onward * onward * LOAD4(moves->squared + i) <= tolerance * soft;
     const v4d ahead = SELECT4(nears, at + onward, miss);
     const v4i is_sure = (is_flat | is_small) & (ahead <= one) & ~touches;
     const v4i ends = (ahead > one) & (ahead <= one + 1e-12) & (at < one);
@@ -167,16 +165,16 @@ SPH__INLINE void go(sph__query_table *table, uint32_t i)
     *(v4i *)(table->touches + i) = touches | is_sure;
 }
 
-SPH__CLONES static void step_clones(const sph__query_fan *fans, const sph__query_move *moves, sph__query_table *table,
+SPH__CLONES static void step_clones(const sph__query_fan *fans, const sph__query_moves *moves, sph__query_table *table,
                                     uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i)
-        look(&fans[table->slot[i]], &moves[i], table, i);
+        look(&fans[table->slot[i]], moves, table, i);
     for (uint32_t i = 0; i < count; i += SPH__QUERY_FAN)
-        go(table, i);
+        go(moves, table, i);
 }
 
-void sph__query_fan_step(const sph__query_fan *fans, const sph__query_move *moves, sph__query_table *table,
+void sph__query_fan_step(const sph__query_fan *fans, const sph__query_moves *moves, sph__query_table *table,
                          uint32_t count)
 {
     step_clones(fans, moves, table, count);
@@ -196,50 +194,58 @@ double sph__query_fan_distance(const sph__query_fan *fan, const double x[3])
     return distance_clones(fan, x);
 }
 
-/*
- * The weights of the corners at which lanes begin (fan.h), without a branch: of the edges in a lane, its end is the
- * next corner of a triangle, or the other one of a capsule.
- */
-SPH__INLINE double weights_of(const sph__query_fan *fan, int is_triangle, const double x[3], double weights[3])
+/* --- the nearest places --- */
+
+/* The weights of the corners at which lanes begin (fan.h). Of the edges in a lane, the other end is the next corner of
+ * a triangle, or the other one of a capsule; that of a sphere is itself: it has a u of 0. */
+SPH__INLINE void weigh(const sph__query_fan *fan, int is_triangle, sph__query_places *places, uint32_t i)
 {
+    static const double __attribute__((aligned(32)))
+    CORNERS[4][SPH__QUERY_FAN] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
     static const uint8_t ENDS[2][SPH__QUERY_FAN] = {{1, 0, 1, 1}, {1, 2, 0, 3}};
-    double both[2][SPH__QUERY_FAN] = {{0}};
+    const double x[3] = {places->x[0][i], places->x[1][i], places->x[2][i]};
+    const v4d zero = {0};
     foot f;
-    double u;
-    int is_face;
     evaluate(fan, x, STILL, &f);
-    u = f.u[f.lane];
-    is_face = f.lane == 3;
-    both[0][f.lane] = 1 - u;
-    both[0][ENDS[is_triangle][f.lane]] += u; /* a sphere's end is itself: it has a u of 0 */
-    both[1][0] = 1 - f.face[1] - f.face[2];
-    both[1][1] = f.face[1];
-    both[1][2] = f.face[2];
-    for (int k = 0; k < 3; ++k)
-        weights[k] = sph__query_pick(both[is_face][k] > 0, both[is_face][k], 0);
-    return f.distance[f.lane];
+    const double u = f.u[f.lane];
+    const v4i is_face = (v4i){0} - (int64_t)(f.lane == 3);
+    const v4d edge = LOAD4(CORNERS[f.lane]) * (1 - u) + LOAD4(CORNERS[ENDS[is_triangle][f.lane]]) * u;
+    const v4d face = {1 - f.face[1] - f.face[2], f.face[1], f.face[2], 0}, w = SELECT4(is_face, face, edge);
+    const v4d weights = SELECT4(w > zero, w, zero), radii = weights * LOAD4(fan->radius);
+    for (int k = 0; k < 3; ++k) {
+        const v4d row = weights * LOAD4(fan->from[k]);
+        places->weights[k][i] = weights[k];
+        places->center[k][i] = row[0] + row[1] + row[2];
+    }
+    places->radius[i] = radii[0] + radii[1] + radii[2];
 }
 
-SPH__CLONES static int closest_clones(const sph__query_fan *fan, int is_triangle, const double x[3], sph__contact *c)
+SPH__INLINE void point_out(sph__query_places *places, uint32_t i)
 {
-    double center[3], normal[3], radius, length, w[3], per_length;
-    c->distance = weights_of(fan, is_triangle, x, w);
-    for (int k = 0; k < 3; ++k) {
-        center[k] = w[0] * fan->from[k][0] + w[1] * fan->from[k][1] + w[2] * fan->from[k][2];
-        normal[k] = x[k] - center[k];
-    }
-    radius = w[0] * fan->radius[0] + w[1] * fan->radius[1] + w[2] * fan->radius[2];
-    length = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-    per_length = 1 / sqrt(length);
-    for (int k = 0; k < 3; ++k) {
-        c->weights[k] = w[k];
-        c->normal[k] = normal[k] * per_length;
-        c->point[k] = center[k] + radius * (normal[k] * per_length);
-    }
-    return length > 1e-8; /* else the direction would be noise */
+    const double n0 = places->x[0][i] - places->center[0][i], n1 = places->x[1][i] - places->center[1][i];
+    const double n2 = places->x[2][i] - places->center[2][i], squared = n0 * n0 + n1 * n1 + n2 * n2;
+    const double per_length = 1 / sqrt(squared), radius = places->radius[i];
+    places->squared[i] = squared;
+    places->normal[0][i] = n0 * per_length;
+    places->normal[1][i] = n1 * per_length;
+    places->normal[2][i] = n2 * per_length;
+    places->point[0][i] = places->center[0][i] + radius * (n0 * per_length);
+    places->point[1][i] = places->center[1][i] + radius * (n1 * per_length);
+    places->point[2][i] = places->center[2][i] + radius * (n2 * per_length);
 }
 
-bool sph__query_fan_closest(const sph__query_fan *fan, int32_t corner_count, const double x[3], sph__contact *c)
+SPH__CLONES static void closest_clones(const sph__query_fan *fans, const uint32_t *slots, const int32_t *corner_counts,
+                                       sph__query_places *places, uint32_t count)
 {
-    return closest_clones(fan, corner_count == 3, x, c);
+    for (uint32_t i = 0; i < count; ++i)
+        weigh(&fans[slots[i]], corner_counts[slots[i]] == 3, places, i);
+    for (uint32_t at = 0; at < count; at += SPH__QUERY_FAN) /* in whole vectors */
+        for (uint32_t i = at; i < at + SPH__QUERY_FAN; ++i)
+            point_out(places, i);
+}
+
+void sph__query_fan_closest(const sph__query_fan *fans, const uint32_t *slots, const int32_t *corner_counts,
+                            sph__query_places *places, uint32_t count)
+{
+    closest_clones(fans, slots, corner_counts, places, count);
 }

@@ -36,10 +36,8 @@ static inline double limit_of(const single *s)
 static void set_ray(const sph__query_aim *aim, sph__query_ray *ray)
 {
     for (int k = 0; k < 3; ++k) {
-        const float *const ends[2] = {aim->before[k], aim->after[k]};
-        const int back = aim->inverse[k][0] < 0;
-        ray->above[k] = ends[back][0];
-        ray->below[k] = ends[!back][0];
+        ray->above[k] = aim->above[k][0];
+        ray->below[k] = aim->below[k][0];
         ray->inverse[k] = aim->inverse[k][0];
         ray->from[k] = aim->place[k][0];
         ray->way[k] = aim->slope[k][0];
@@ -67,27 +65,60 @@ static bool begin(single *s, packet *p, uint32_t number)
     }
     is_near = sph__query_aim_one(&s->aim, &room, from, to, radius);
     sph__query_cast_begin(&p->casts[number], &s->aim, 0);
-    p->fronts[number] = sph__query_front_empty;
+    p->first[number] = UINT64_MAX;
     if (is_near) set_ray(&s->aim, &s->ray);
     return is_near;
 }
 
-/* Lists what it may touch of slots [begin_slot, end_slot), at most a chunk; nothing else is listed. */
+/*
+ * Of the primitives whose boxes it meets it may begin within those whose boxes it begins in. These are looked at first,
+ * and mostly that is all; returns how many others there are, which are moved to the front.
+ */
+static uint32_t begin_within(single *s, uint32_t *met, float *entry, uint32_t count)
+{
+    const sph_query *q = s->packet->query;
+    uint32_t within[SPH__QUERY_CHUNK + 1], slots[SPH__QUERY_CHUNK], begun = 0, kept = 0;
+    float keys[SPH__QUERY_CHUNK];
+    for (uint32_t i = 0; i < count; ++i) {
+        within[begun] = i;
+        begun += entry[i] <= 0 && sph__query_begins_in_slab(&q->bounds, met[i], &s->ray);
+    }
+    if (begun == 0) return count;
+    for (uint32_t i = 0; i < begun; ++i)
+        slots[i] = met[within[i]];
+    sph__query_parts_begin(q->parts, &s->line, slots, begun, keys);
+    within[begun] = UINT32_MAX;
+    for (uint32_t i = 0, k = 0; i < count; ++i) {
+        const uint32_t slot = met[i];
+        const float key = i == within[k] ? keys[k++] : SPH__QUERY_MISS;
+        met[kept] = slot;
+        entry[kept] = entry[i];
+        kept += key > 0;
+        sph__query_packet_list(s->packet, s->number, key, slot, key <= 0);
+    }
+    sph__query_packet_resolve(s->packet);
+    return kept;
+}
+
+/* Takes it to slots [begin_slot, end_slot), at most a chunk. */
 static void add(single *s, uint32_t begin_slot, uint32_t end_slot)
 {
     packet *p = s->packet;
-    sph__query_listed listed[SPH__QUERY_CHUNK];
+    const sph_query *q = p->query;
     uint32_t met[SPH__QUERY_CHUNK], count;
-    float entry[SPH__QUERY_CHUNK];
-    count = sph__query_kernel_meet(&p->query->bounds, begin_slot, end_slot, &s->ray, met, entry);
-    if (count == 0) return;
-    count = sph__query_fan_enter(p->query->fans, &s->ray, entry, met, count, limit_of(s));
+    float entry[SPH__QUERY_CHUNK], keys[SPH__QUERY_CHUNK];
+    count = sph__query_kernel_meet(&q->bounds, begin_slot, end_slot, &s->ray, met, entry);
     if (count == 0) return;
     if (!s->has_line) sph__query_aim_line(&s->aim, &s->line);
     s->has_line = true;
-    count = sph__query_parts_touch(p->query->parts, p->query->fans, &s->line, met, count, listed);
+    count = begin_within(s, met, entry, count);
+    if (count == 0 || limit_of(s) <= 0) return;
+    count = sph__query_fan_enter(q->fans, &s->ray, entry, met, count, limit_of(s));
+    if (count == 0) return;
+    sph__query_parts_touch(q->parts, &s->line, met, count, keys);
     for (uint32_t i = 0; i < count; ++i)
-        sph__query_packet_list(p, s->number, listed[i]);
+        sph__query_packet_list(p, s->number, keys[i], met[i], keys[i] <= 1);
+    sph__query_packet_resolve(p);
 }
 
 /* As the kernel does it; monotonous, so that a box is entered no later than the boxes in it. */
@@ -118,7 +149,6 @@ static void search_tree(single *s)
         if (v.bound > limit_of(s)) continue;
         if (sph__box_tree_is_leaf(tree, v.node)) {
             add(s, v.begin, v.end);
-            sph__query_packet_resolve(s->packet, s->number, s->number + 1);
             continue;
         }
         a = (sph__box_visit){left, v.begin, half, entry_of(&tree->nodes[left], ray)};
@@ -137,10 +167,8 @@ static void search_tree(single *s)
 static void search_all(single *s)
 {
     const uint32_t count = s->packet->query->primitive_count;
-    for (uint32_t i = 0; i < count && limit_of(s) >= 0; i += SPH__QUERY_CHUNK) {
+    for (uint32_t i = 0; i < count && limit_of(s) >= 0; i += SPH__QUERY_CHUNK)
         add(s, i, count - i < SPH__QUERY_CHUNK ? count : i + SPH__QUERY_CHUNK);
-        sph__query_packet_resolve(s->packet, s->number, s->number + 1);
-    }
 }
 
 __attribute__((noinline)) static void search_one(packet *p, uint32_t number)
@@ -170,42 +198,6 @@ static uint32_t cast_sweeps(packet *p, const sph_query *q, const sph_sweep *swee
     return p->count;
 }
 
-/* --- answers --- */
-
-static void answer(const packet *p, uint32_t i, sph_hit *hit)
-{
-    const sph_query *q = p->query;
-    const cast *c = &p->casts[i];
-    const double t = sph__query_pick(c->value > 0, c->value, 0), at = c->before + t * c->span;
-    sph__query_move move;
-    sph__contact contact;
-    double x[3];
-    hit->s = sph__query_pick(at < 1, at, 1);
-    hit->depth = sph__query_pick(c->value < 0, -c->value * q->unit, 0);
-    hit->hit = 1;
-    sph__query_packet_move(p, i, &move);
-    sph__add_scaled(move.start, t, move.way, x);
-    if (!sph__query_fan_closest(&q->fans[c->slot], q->solid.corner_counts[c->slot], x, &contact))
-        sph__primitive_closest(&q->solid.primitives[c->slot], x, &contact);
-    sph__query_contact(q, c->slot, &contact, &hit->contact);
-}
-
-/* Those that hit apart from the others: nothing is to be guessed then. */
-static void answer_all(const packet *p, sph_hit *hits, uint32_t sweeps)
-{
-    static const sph_hit OPEN = {.s = 1, .contact = {.spheres = {SPH_NO_SPHERE, SPH_NO_SPHERE, SPH_NO_SPHERE}}};
-    uint8_t which[SPH__QUERY_WAVE];
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < sweeps; ++i)
-        hits[i] = OPEN;
-    for (uint32_t i = 0; i < p->count; ++i) {
-        which[count] = (uint8_t)i;
-        count += (uint32_t)sph__query_opaque(p->casts[i].slot != NONE);
-    }
-    for (uint32_t i = 0; i < count; ++i)
-        answer(p, which[i], &hits[p->sweep[which[i]]]);
-}
-
 static sph_status check(const sph_query *q, const char *name, const sph_sweep *sweeps, size_t count, const void *hits)
 {
     if (q == NULL || ((sweeps == NULL || hits == NULL) && count != 0))
@@ -231,7 +223,7 @@ sph_status sph_query_cast(const sph_query *q, const sph_sweep *sweeps, size_t co
     if (status != SPH_OK) return status;
     for (size_t done = 0; done < count;) {
         const uint32_t had = cast_sweeps(&p, q, sweeps + done, count - done, false);
-        answer_all(&p, hits + done, had);
+        sph__query_packet_answer(&p, hits + done, had);
         done += had;
     }
     return SPH_OK;
@@ -265,6 +257,6 @@ bool sph__query_cast_frame(const sph_query *q, const double from[3], const doubl
     p.pair_count = 0;
     p.count = 1;
     search_one(&p, 0);
-    *t = c->slot == NONE ? 1 : fmin(1, c->before + (c->value > 0 ? c->value : 0) * c->span);
+    *t = c->slot == NONE ? 1 : fmin(1, c->cut.before + (c->value > 0 ? c->value : 0) * c->cut.span);
     return c->slot != NONE;
 }

@@ -33,14 +33,14 @@ typedef struct __attribute__((aligned(64))) sph__query_fan { /* rows of four are
 _Static_assert(offsetof(sph__query_fan, lean) % 32 == 0 && offsetof(sph__query_fan, normal) % 16 == 0,
                "rows are vectors");
 
-/* A sphere that moves from start to start + way. */
-typedef struct sph__query_move {
-    double start[3], way[3], radius;
-    double squared;   /* length of the way */
-    double tolerance; /* a distance that counts as touching */
-} sph__query_move;
-
 enum { SPH__QUERY_TABLE = 16 }; /* a multiple of 8 */
+
+/* Spheres that move from start to start + way, side by side. */
+typedef struct __attribute__((aligned(64))) sph__query_moves {
+    double start[3][SPH__QUERY_TABLE], way[3][SPH__QUERY_TABLE], radius[SPH__QUERY_TABLE];
+    double squared[SPH__QUERY_TABLE];   /* length of the way */
+    double tolerance[SPH__QUERY_TABLE]; /* a distance that counts as touching */
+} sph__query_moves;
 
 /* Moves, each with a primitive that it may touch, side by side. */
 typedef struct __attribute__((aligned(64))) sph__query_table {
@@ -50,7 +50,6 @@ typedef struct __attribute__((aligned(64))) sph__query_table {
     /* of the step: what the foot in approach.c says */
     double course[SPH__QUERY_TABLE], length[SPH__QUERY_TABLE], soft[SPH__QUERY_TABLE];
     double weights[2][SPH__QUERY_TABLE], climbs[2][SPH__QUERY_TABLE];
-    double squared[SPH__QUERY_TABLE], tolerance[SPH__QUERY_TABLE];
     uint32_t slot[SPH__QUERY_TABLE];
 } sph__query_table;
 
@@ -67,11 +66,21 @@ float sph__query_fan_bound(const sph__query_fan *fan, const float x[3]);
 uint32_t sph__query_fan_enter(const sph__query_fan *fans, const sph__query_ray *ray, const float *entry,
                               uint32_t *slots, uint32_t count, double limit);
 
-/* A step of Newton's method for each of the first `count`, with moves[i]. */
-void sph__query_fan_step(const sph__query_fan *fans, const sph__query_move *moves, sph__query_table *table,
+/* A step of Newton's method for each of the first `count`. */
+void sph__query_fan_step(const sph__query_fan *fans, const sph__query_moves *moves, sph__query_table *table,
                          uint32_t count);
 
-/* The place of the primitive that is nearest to x; false where it takes more care than this. */
-bool sph__query_fan_closest(const sph__query_fan *fan, int32_t corner_count, const double x[3], sph__contact *contact);
+/* Places, side by side, and those of primitives that are nearest to them. */
+typedef struct __attribute__((aligned(64))) sph__query_places {
+    double x[3][SPH__QUERY_TABLE];
+    double weights[3][SPH__QUERY_TABLE]; /* of the corners */
+    double center[3][SPH__QUERY_TABLE], radius[SPH__QUERY_TABLE];
+    double normal[3][SPH__QUERY_TABLE], point[3][SPH__QUERY_TABLE];
+    double squared[SPH__QUERY_TABLE]; /* distance from that centre; where it is nearly 0, the normal is noise */
+} sph__query_places;
+
+/* Of primitive slots[i] for x[..][i]; the others are no numbers, or any. */
+void sph__query_fan_closest(const sph__query_fan *fans, const uint32_t *slots, const int32_t *corner_counts,
+                            sph__query_places *places, uint32_t count);
 
 #endif

@@ -22,6 +22,15 @@ static inline float greater(float a, float b)
     return a > b ? a : b;
 }
 
+/* Of 64. */
+SPH__INLINE uint64_t pack(const uint8_t *bytes)
+{
+    uint64_t mask = 0;
+    for (int i = 0; i < 64; i += 16)
+        mask |= (uint64_t)sph__query_pack(bytes + i, 0) << i;
+    return mask;
+}
+
 /* `count` boxes, in whole vectors. */
 SPH__CLONES static uint32_t meet_clones(const sph__query_bounds *bounds, size_t begin, size_t count,
                                         const sph__query_ray *ray, uint32_t *restrict met, float *restrict entry)
@@ -49,7 +58,7 @@ SPH__CLONES static uint32_t meet_clones(const sph__query_bounds *bounds, size_t 
         meets[i] = in <= out;
     }
     for (size_t i = 0; i < count; i += 64)
-        for (uint64_t mask = sph__query_pack(meets + i); mask != 0; mask &= mask - 1) {
+        for (uint64_t mask = pack(meets + i); mask != 0; mask &= mask - 1) {
             const size_t k = i + (size_t)__builtin_ctzll(mask);
             met[found] = (uint32_t)(begin + k);
             entry[found++] = all[k];

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bounds of primitives as a structure of arrays, and the loops over them. A bound is a box along the axes and two slabs
- * at right angles, turned as the primitive is; all in the frame of the pose, that is within [-1, 1], in 32 bits. The
+ * Bounds of primitives as a structure of arrays, and the loops over them. A bound is a box along the axes and a slab
+ * that is turned as the primitive is; all in the frame of the pose, that is within [-1, 1], in 32 bits. The
  * caller widens them by a margin that covers all rounding, so that what is pruned by them is never within reach. These
  * loops allocate nothing and cannot fail.
  */
 #ifndef SPH_QUERY_KERNEL_H
 #define SPH_QUERY_KERNEL_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -20,7 +21,8 @@ enum {
 typedef struct sph__query_bounds {
     float *rows; /* all of them */
     size_t stride;
-    float *low[3], *high[3]; /* rows 0, 2, 4 and 1, 3, 5 */
+    float *low[3], *high[3];                 /* rows 0, 2, 4 and 1, 3, 5 */
+    float *normal[3], *slab_low, *slab_high; /* rows 6 to 10: of all slabs (fan.h) that which cuts off most */
 } sph__query_bounds;
 
 /*
@@ -32,6 +34,26 @@ typedef struct sph__query_ray {
     float from[3], way[3];    /* p, d */
     float reach;
 } sph__query_ray;
+
+/* How far the two sides of a slab, widened by the reach, are ahead of a place. It is in the slab where the one is no
+ * more than 0 and the other no less. */
+static inline float sph__query_under(float low, float place, float reach)
+{
+    return low - (place + reach);
+}
+
+static inline float sph__query_over(float high, float place, float reach)
+{
+    return high - (place - reach);
+}
+
+static inline bool sph__query_begins_in_slab(const sph__query_bounds *b, uint32_t slot, const sph__query_ray *ray)
+{
+    const float place =
+        b->normal[0][slot] * ray->from[0] + b->normal[1][slot] * ray->from[1] + b->normal[2][slot] * ray->from[2];
+    return sph__query_under(b->slab_low[slot], place, ray->reach) <= 0 &&
+           sph__query_over(b->slab_high[slot], place, ray->reach) >= 0;
+}
 
 /* What `entry` says where the segment does not meet the box. */
 #define SPH__QUERY_MISS 2.0f

@@ -7,56 +7,45 @@
 #include "query/step.h"
 
 enum {
-    SPH__QUERY_PAIRS = 512, /* of casts with primitives, at a time; SPH__QUERY_CHUNK and more */
-    SPH__QUERY_NO_PAIR = 0xffff,
-    SPH__QUERY_MANY = 512,
+    SPH__QUERY_PAIRS = 448,  /* of casts with primitives, at a time; SPH__QUERY_CHUNK and more */
     SPH__QUERY_SWEEPS = 4096 /* at a time; numbers fit into two bytes */
 };
 
-/* One cast, in the frame of the pose, cut to where the segment is near the solid: s = before + t * span. */
+/* One cast, in the frame of the pose, cut to where the segment is near the solid. */
 typedef struct sph__query_cast {
-    double before, span; /* a span below 0: it is not near */
+    sph__query_cut cut;
     /* the best so far: t where it touches; at 0 or below minus the depth in which it begins. Least is best, and of
      * equal ones that with the lowest number */
     double value;
     uint32_t slot, number; /* UINT32_MAX: none */
 } sph__query_cast;
 
-/* What has been listed for a cast: the first primitive, and a list of the others. */
-typedef struct sph__query_front {
-    sph__query_listed first;
-    uint32_t second; /* the least rank of the others */
-    uint16_t others; /* SPH__QUERY_NO_PAIR ends a list */
-} sph__query_front;
-
+/* Casts, and what has been listed of primitives that they may touch. */
 typedef struct sph__query_packet {
     const sph_query *query;
-    const sph_sweep *sweeps;         /* NULL: */
-    const double *from, *to;         /* a ray in the frame */
-    bool any;                        /* any hit will do */
-    uint32_t count, pair_count;      /* of the casts, and in `pairs` */
-    uint16_t sweep[SPH__QUERY_WAVE]; /* that a cast is of */
+    const sph_sweep *sweeps;          /* NULL: */
+    const double *from, *to;          /* a ray in the frame */
+    bool any;                         /* any hit will do */
+    uint32_t count, pair_count;       /* of the casts, and of the pairs */
+    uint16_t sweep[SPH__QUERY_WAVE];  /* that a cast is of */
+    uint32_t leaves[SPH__QUERY_WAVE]; /* that it may meet, as bits */
     sph__query_cast casts[SPH__QUERY_WAVE];
-    sph__query_front fronts[SPH__QUERY_WAVE];
-    sph__query_listed pairs[SPH__QUERY_PAIRS + 1];
-    uint16_t next[SPH__QUERY_PAIRS + 1];
+    uint64_t first[SPH__QUERY_WAVE]; /* the least key of its pairs, and the pair, as one number; UINT64_MAX: none */
+    double key[SPH__QUERY_PAIRS + 1];
+    uint32_t slot[SPH__QUERY_PAIRS + 1];
+    uint8_t owner[SPH__QUERY_PAIRS + 1]; /* the cast */
 } sph__query_packet;
 
-static const sph__query_front sph__query_front_empty = {SPH__QUERY_UNLISTED, UINT32_MAX, SPH__QUERY_NO_PAIR};
-
-/* Without branches: what comes is anybody's guess. */
-static inline void sph__query_packet_list(sph__query_packet *p, uint32_t cast, sph__query_listed it)
+/* Lists it where `counts` is 1. Without branches: what comes is anybody's guess. */
+static inline void sph__query_packet_list(sph__query_packet *p, uint32_t cast, float key, uint32_t slot, int counts)
 {
-    sph__query_front *f = &p->fronts[cast];
-    const sph__query_listed before = f->first, other = it < before ? before : it;
-    const uint32_t place = p->pair_count, others = f->others, rank = (uint32_t)(other >> 32);
-    const uint32_t counts = (uint32_t)sph__query_opaque(other <= SPH__QUERY_LAST_LISTED);
-    f->first = it < before ? it : before;
-    f->second = rank < f->second ? rank : f->second;
-    p->pairs[place] = other;
-    p->next[place] = (uint16_t)others;
-    f->others = (uint16_t)(others + (place - others) * counts);
-    p->pair_count = place + counts;
+    const uint32_t pair = p->pair_count;
+    const uint64_t none = (uint64_t)sph__query_opaque(counts) - 1, mine = sph__query_rank(key) << 32 | pair | none;
+    p->key[pair] = key;
+    p->slot[pair] = slot;
+    p->owner[pair] = (uint8_t)cast;
+    p->first[cast] = mine < p->first[cast] ? mine : p->first[cast];
+    p->pair_count = pair + (uint32_t)counts;
 }
 
 /* What comes after this does not matter; below 0: nothing does any more. */
@@ -66,8 +55,8 @@ static inline double sph__query_packet_limit(const sph__query_packet *p, const s
     return c->value > 1 ? 1 : c->value > 0 ? c->value : 0;
 }
 
-/* The cut segment of a cast. */
-void sph__query_packet_move(const sph__query_packet *p, uint32_t cast, sph__query_move *move);
+/* The cut segments of up to SPH__QUERY_TABLE casts. */
+void sph__query_packet_moves(const sph__query_packet *p, const uint8_t *casts, uint32_t count, sph__query_moves *moves);
 
 /* Nothing has touched yet. */
 void sph__query_cast_begin(sph__query_cast *cast, const sph__query_aim *aim, uint32_t lane);
@@ -79,7 +68,10 @@ sph__query_room sph__query_packet_room(const sph__query_packet *p);
  */
 uint32_t sph__query_packet_many(sph__query_packet *p, size_t count);
 
-/* Lets all that is listed have its say, and drops it; all is of casts [begin, end). */
-void sph__query_packet_resolve(sph__query_packet *p, uint32_t begin, uint32_t end);
+/* Lets all that is listed have its say, and drops it. */
+void sph__query_packet_resolve(sph__query_packet *p);
+
+/* Tells the caller; `count` sweeps have been had. */
+void sph__query_packet_answer(const sph__query_packet *p, sph_hit *hits, uint32_t count);
 
 #endif

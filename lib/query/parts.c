@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "query/parts.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "numeric/vector.h"
@@ -16,6 +17,8 @@ static void set_edge(sph__query_parts *parts, int lane, const sph__primitive *p,
     parts->sine[lane] = (float)e->sine;
     parts->cosine[lane] = (float)e->cosine;
     parts->length[lane] = (float)(e->length * e->cosine * e->cosine);
+    parts->tangent[lane] = (float)(e->sine / e->cosine);
+    parts->whole[lane] = (float)e->length;
 }
 
 /* The prism's corners are centre + radius * (tilt +- rise * plane_normal). Any direction gives a bound. */
@@ -53,6 +56,42 @@ static void set_prism(sph__query_parts *parts, const sph__primitive *p)
     }
 }
 
+/* What tells how far a place is from the faces; without any, no weights are those of a place on one. */
+static void set_plane(sph__query_parts *parts, const sph__primitive *p)
+{
+    if (!p->has_faces) {
+        parts->plane_constant[1] = -1;
+        return;
+    }
+    for (int k = 0; k < 3; ++k) {
+        const double row[SPH__QUERY_FAN] = {p->plane_normal[k], p->gradient[0][k], p->gradient[1][k], p->tilt[k]};
+        for (int lane = 0; lane < SPH__QUERY_FAN; ++lane)
+            parts->plane[k][lane] = (float)row[lane];
+    }
+    parts->plane_height[1] = (float)-p->gradient_tilt[0];
+    parts->plane_height[2] = (float)-p->gradient_tilt[1];
+    parts->plane_height[3] = (float)p->rise;
+    parts->plane_constant[3] = (float)-p->radius[0];
+}
+
+/*
+ * Where the nearest sphere is on an edge is off by as much as its slope is steep; where it is on the face, by as much
+ * as its weights change across it. The distance changes at most twice as fast as that place.
+ */
+static float loose_of(const sph__primitive *p)
+{
+    double steep = 0, flat = 0;
+    const int edges = p->corner_count == 3 ? 3 : p->corner_count - 1;
+    for (int i = 0; i < edges; ++i)
+        if (p->edge[i].only < 0) steep = fmax(steep, fabs(p->edge[i].sine) / p->edge[i].cosine);
+    for (int i = 0; p->has_faces && i < 2; ++i) {
+        double way[3];
+        sph__subtract(p->center[i + 1], p->center[0], way);
+        flat += (sph__norm(p->gradient[i]) + fabs(p->gradient_tilt[i])) * sph__norm(way);
+    }
+    return (float)fmin(4e-6 * (1 + steep + flat), SPH__QUERY_FAR); /* also where it is no number */
+}
+
 void sph__query_parts_set(sph__query_parts *parts, const sph__primitive *p, uint32_t shared)
 {
     memset(parts, 0, sizeof *parts);
@@ -71,4 +110,6 @@ void sph__query_parts_set(sph__query_parts *parts, const sph__primitive *p, uint
     }
     parts->room = p->has_faces ? 0 : -1e15f;
     if (p->has_faces) set_prism(parts, p);
+    set_plane(parts, p);
+    parts->loose = loose_of(p);
 }

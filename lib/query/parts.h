@@ -9,8 +9,8 @@
  *
  * Neighbours share spheres and edges, and a line that enters one there enters all of them. The one with the lowest
  * number answers for all: the others begin where the line enters what is theirs alone. That they do so within
- * themselves does no harm, as the touch is earlier than what is then found. Only where a line begins do all parts of
- * all primitives count.
+ * themselves does no harm, as the touch is earlier than what is then found. That is for lines that begin outside. What
+ * a line may begin within is told beforehand (depth.h).
  */
 #ifndef SPH_QUERY_PARTS_H
 #define SPH_QUERY_PARTS_H
@@ -26,12 +26,16 @@ typedef struct __attribute__((aligned(64))) sph__query_parts {
     float center[3][SPH__QUERY_FAN], radius[SPH__QUERY_FAN];
     /* of the edge that begins at the corner: its unit axis; slope of its side; between the circles */
     float axis[3][SPH__QUERY_FAN], sine[SPH__QUERY_FAN], cosine[SPH__QUERY_FAN], length[SPH__QUERY_FAN];
+    float tangent[SPH__QUERY_FAN], whole[SPH__QUERY_FAN]; /* of that slope; between the centres */
     /* of the prism: outward normals of its sides, how far they are beyond the corners, and at what rate they move out
      * as the radius grows; normals of the faces; far below 0: there is none */
     float side[3][SPH__QUERY_FAN], beyond[SPH__QUERY_FAN], growth[SPH__QUERY_FAN];
     float face[2][3], room;
     /* of the spheres and of the edges: 0, or SPH__QUERY_NEVER where a primitive with a lower number has it too */
     float shared_corner[SPH__QUERY_FAN], shared_edge[SPH__QUERY_FAN];
+    /* of the faces, as in fan.h: the height above the plane of the centres, two weights, the distance */
+    float plane[3][SPH__QUERY_FAN], plane_height[SPH__QUERY_FAN], plane_constant[SPH__QUERY_FAN];
+    float loose;           /* how much more than the distance may be computed, about the origin */
     uint32_t corner_count; /* 1, 2 or 3; as many edges, but for 2 one, and a prism for 3 */
 } sph__query_parts;
 
@@ -41,13 +45,8 @@ void sph__query_parts_set(sph__query_parts *parts, const sph__primitive *primiti
 /*
  * Of primitives that a segment may touch. A key says how early at best: it touches no earlier than t = key; where key
  * is 0 or less it may begin within, to a signed distance of no less than key. Above 1: it does not touch. Least is
- * first. Listed are keys and slots as one number, in the same order, which is compared without a branch.
+ * first, and numbers in the same order are compared without a branch.
  */
-typedef uint64_t sph__query_listed;
-
-#define SPH__QUERY_UNLISTED UINT64_MAX
-#define SPH__QUERY_LAST_LISTED 0xbf800000ffffffffu /* with a key of 1; what is above is not listed either */
-
 static inline uint64_t sph__query_rank(float key)
 {
     uint32_t bits;
@@ -55,22 +54,12 @@ static inline uint64_t sph__query_rank(float key)
     return bits ^ ((uint32_t)((int32_t)bits >> 31) | 0x80000000u);
 }
 
-static inline sph__query_listed sph__query_list(float key, uint32_t slot)
-{
-    return sph__query_rank(key) << 32 | slot;
-}
-
-static inline float sph__query_key_of(sph__query_listed listed)
-{
-    const uint32_t rank = (uint32_t)(listed >> 32), bits = rank ^ (~(uint32_t)((int32_t)rank >> 31) | 0x80000000u);
-    float key;
-    memcpy(&key, &bits, sizeof key);
-    return key;
-}
-
-/* Of the primitives in `slots` those that the line may touch; returns how many. */
-uint32_t sph__query_parts_touch(const sph__query_parts *parts, const sph__query_fan *fans, const sph__query_line *line,
-                                const uint32_t *slots, uint32_t count, sph__query_listed *listed);
+/* The keys of the primitives in `slots`, which the line does not begin in. */
+void sph__query_parts_touch(const sph__query_parts *parts, const sph__query_line *line, const uint32_t *slots,
+                            uint32_t count, float *keys);
+/* Of those that it may begin in; above 0: it does not. */
+void sph__query_parts_begin(const sph__query_parts *parts, const sph__query_line *line, const uint32_t *slots,
+                            uint32_t count, float *keys);
 
 /* An interval of a line, as multiples of its unit direction. */
 typedef struct sph__query_span {
@@ -173,24 +162,20 @@ SPH__INLINE sph__query_span sph__query_span_whole(sph__query_span s)
                              s.enter > s.leave ? -SPH__QUERY_NEVER : s.leave};
 }
 
-/* What is known about the entry into a primitive. */
-typedef struct sph__query_entry {
-    float all, own, leave; /* into any part, into one that is not shared; out of the last one */
-} sph__query_entry;
-
-SPH__INLINE sph__query_entry sph__query_entry_part(sph__query_entry e, sph__query_span part, float shared)
+/* When a line is in the parts of a primitive that it does not share. */
+SPH__INLINE sph__query_span sph__query_span_part(sph__query_span all, sph__query_span part, float shared)
 {
-    return (sph__query_entry){sph__query_least(e.all, part.enter), sph__query_least(e.own, part.enter + shared),
-                              sph__query_most(e.leave, part.leave)};
+    return (sph__query_span){sph__query_least(all.enter, part.enter + shared),
+                             sph__query_most(all.leave, part.leave - shared)};
 }
 
-/* The key, where one that is begun in is no deeper than `bound`. */
-SPH__INLINE float sph__query_key(sph__query_entry e, float per_length, float bound, float reach)
+static const sph__query_span sph__query_span_none = {SPH__QUERY_NEVER, -SPH__QUERY_NEVER};
+
+/* The key of a line that does not begin within. */
+SPH__INLINE float sph__query_key(sph__query_span parts, float per_length)
 {
-    const float inner = reach < 1e9f ? sph__query_least(bound, 0) : -INFINITY;
-    const float first = e.all * per_length, own = e.own * per_length, last = e.leave * per_length;
-    const float key = first > 0 ? own : inner;
-    return last < 0 || key > 1 ? SPH__QUERY_MISS : key;
+    const float first = parts.enter * per_length, last = parts.leave * per_length;
+    return last < 0 || first > 1 ? SPH__QUERY_MISS : sph__query_most(first, 0);
 }
 
 #endif

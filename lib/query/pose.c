@@ -29,6 +29,27 @@ static void set_frame(sph_query *q)
         q->half[k] *= q->scale;
 }
 
+/* Of the slabs that which is thinnest, compared with the box. */
+static void choose_slab(sph_query *q, uint32_t slot)
+{
+    const sph__query_fan *fan = &q->fans[slot];
+    const sph__box *box = &q->solid.boxes[slot];
+    float most = -1;
+    int best = 0;
+    for (int lane = 0; lane < SPH__QUERY_FAN; ++lane) {
+        float width = 0, share;
+        for (int k = 0; k < 3; ++k)
+            width += fabsf(fan->normal[k][lane]) * (box->high[k] - box->low[k]);
+        share = width / (fan->high[lane] - fan->low[lane] + 1e-9f);
+        best = share > most ? lane : best;
+        most = share > most ? share : most;
+    }
+    for (int k = 0; k < 3; ++k)
+        q->bounds.normal[k][slot] = fan->normal[k][best];
+    q->bounds.slab_low[slot] = fan->low[best];
+    q->bounds.slab_high[slot] = fan->high[best];
+}
+
 static void set_primitive(sph_query *q, uint32_t slot)
 {
     sph__solid *s = &q->solid;
@@ -50,6 +71,7 @@ static void set_primitive(sph_query *q, uint32_t slot)
         q->bounds.high[k][slot] = s->boxes[slot].high[k] = (float)high;
     }
     sph__query_fan_set(&q->fans[slot], &s->primitives[slot]);
+    choose_slab(q, slot);
     sph__query_parts_set(&q->parts[slot], &s->primitives[slot], q->shared[slot]);
 }
 
@@ -58,7 +80,7 @@ void sph__query_repose(sph_query *q)
     set_frame(q);
     for (uint32_t i = 0; i < q->primitive_count; ++i)
         set_primitive(q, i);
-    if (!q->is_exhaustive) sph__box_tree_refit(&q->solid.tree, q->solid.boxes);
+    if (q->solid.tree.item_count > 0) sph__box_tree_refit(&q->solid.tree, q->solid.boxes);
     ++q->pose;
 }
 

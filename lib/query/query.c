@@ -177,14 +177,32 @@ static sph_status sort_by_leaves(sph_query *q)
     return done ? SPH_OK : sph__fail_memory(q->context);
 }
 
+/* Of a tree that halves its range at each node. */
+static void find_leaves(sph_query *q)
+{
+    const uint32_t depth = q->solid.tree.depth, count = 1u << depth;
+    for (uint32_t leaf = 0; leaf < count; ++leaf) {
+        sph__box_visit v = {1, 0, q->primitive_count, 0};
+        for (uint32_t bit = count >> 1; bit != 0; bit >>= 1) {
+            const uint32_t half = sph__box_visit_middle(&v);
+            if (leaf & bit)
+                v.begin = half;
+            else
+                v.end = half;
+        }
+        q->leaves[leaf] = (uint16_t)v.begin;
+        q->leaves[leaf + 1] = (uint16_t)v.end;
+    }
+}
+
+/* Also where all is searched: neighbours are neighbours in memory then. */
 static sph_status build_tree(sph_query *q)
 {
     if (sph__box_tree_reserve(&q->solid.tree, q->context, q->primitive_count, SPH__QUERY_LEAF) != SPH_OK)
         return sph__fail_memory(q->context);
-    q->is_exhaustive = true; /* there is nothing to refit yet */
     sph_query_pose_frame(q, widest_frame(q));
-    q->is_exhaustive = false;
     sph__box_tree_build(&q->solid.tree, q->solid.boxes, q->primitive_count, SPH__QUERY_LEAF);
+    if (q->primitive_count <= SPH__QUERY_MANY) find_leaves(q);
     return sort_by_leaves(q);
 }
 
@@ -229,7 +247,7 @@ static bool allocate_bounds(sph_query *q)
     sph__query_bounds *b = &q->bounds;
     /* rows start at different places of a cache's sets */
     const size_t stride = ((size_t)q->primitive_count + SPH__QUERY_LANES) / SPH__QUERY_LANES * SPH__QUERY_LANES + 16;
-    float *row = b->rows = sph__zalloc(q->context, 6 * stride, sizeof *row);
+    float *row = b->rows = sph__zalloc(q->context, 11 * stride, sizeof *row);
     if (row == NULL) return false;
     b->stride = stride;
     for (int k = 0; k < 3; ++k) {
@@ -241,6 +259,10 @@ static bool allocate_bounds(sph_query *q)
         }
         row += 2 * stride;
     }
+    for (int k = 0; k < 3; ++k)
+        b->normal[k] = row + (size_t)k * stride;
+    b->slab_low = row + 3 * stride;
+    b->slab_high = row + 4 * stride;
     return true;
 }
 
@@ -279,7 +301,7 @@ static sph_status fill(sph_query *q, const sph_level *level, const sph_query_opt
         q->numbers[i] = i;
     q->is_exhaustive = options->search == SPH_SEARCH_EXHAUSTIVE ||
                        (options->search == SPH_SEARCH_AUTO && q->primitive_count < SPH__QUERY_TREE_FROM);
-    if (!q->is_exhaustive && (status = build_tree(q)) != SPH_OK) return status;
+    if ((status = build_tree(q)) != SPH_OK) return status;
     if ((status = mark_shared(q)) != SPH_OK) return status;
     return sph_query_pose_frame(q, 0);
 }

@@ -14,8 +14,10 @@
 #include "query/wave.h"
 
 enum {
-    SPH__QUERY_LEAF = 16,      /* primitives per leaf of the tree */
-    SPH__QUERY_TREE_FROM = 512 /* primitives from which on the tree is quicker */
+    SPH__QUERY_LEAF = 16,       /* primitives per leaf of the tree */
+    SPH__QUERY_TREE_FROM = 512, /* primitives from which on the tree is quicker */
+    SPH__QUERY_MANY = 512,      /* up to so many, many casts are worked on together: */
+    SPH__QUERY_MANY_LEAVES = 32 /* those are so many leaves at most */
 };
 
 /* The simplex of the level that a primitive stands for. */
@@ -50,7 +52,8 @@ struct sph_query {
     sph__solid solid;     /* centers, radii: of the model */
     sph__query_simplex *simplices;
     uint32_t *numbers; /* of a slot: the primitive's place in the order of the simplices, by which ties go */
-    uint8_t *shared;   /* of a slot: which parts a primitive with a lower number has too (parts.h) */
+    uint16_t leaves[SPH__QUERY_MANY_LEAVES + 1]; /* where they begin; of no more than SPH__QUERY_MANY primitives */
+    uint8_t *shared; /* of a slot: which parts a primitive with a lower number has too (parts.h) */
     sph__query_bounds bounds;
     sph__query_fan *fans;          /* by slot */
     sph__query_parts *parts;       /* by slot */

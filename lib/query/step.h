@@ -10,24 +10,18 @@
 
 #include "hierarchy/lanes.h"
 
-/* Bit i is byte i, of 64 that are 0 or 1. */
-SPH__INLINE uint64_t sph__query_pack(const uint8_t *bytes)
+/* Bit i is bit `place` of byte i, of 16. */
+SPH__INLINE uint32_t sph__query_pack(const uint8_t *bytes, int place)
 {
-    uint64_t mask = 0;
 #if defined(__SSE2__)
-    for (int i = 0; i < 4; ++i) {
-        const __m128i sixteen = _mm_loadu_si128((const __m128i *)(const void *)(bytes + 16 * i));
-        mask |= (uint64_t)(uint32_t)_mm_movemask_epi8(_mm_slli_epi16(sixteen, 7)) << (16 * i);
-    }
+    const __m128i sixteen = _mm_loadu_si128((const __m128i *)(const void *)bytes);
+    return (uint32_t)_mm_movemask_epi8(_mm_slli_epi16(sixteen, 7 - place));
 #else
-    for (int i = 0; i < 8; ++i) {
-        uint64_t eight = 0;
-        for (int k = 0; k < 8; ++k) /* one load, whatever the order of bytes */
-            eight |= (uint64_t)bytes[8 * i + k] << (8 * k);
-        mask |= (eight * 0x0102040810204080u >> 56) << (8 * i); /* the lowest bits of the bytes, side by side */
-    }
-#endif
+    uint32_t mask = 0;
+    for (int i = 0; i < 16; ++i)
+        mask |= (uint32_t)(bytes[i] >> place & 1) << i;
     return mask;
+#endif
 }
 
 /* Compilers make branches of what is picked by a condition that they know, which would be a guess. */

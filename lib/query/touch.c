@@ -2,7 +2,7 @@
 /* The parts of primitives against one line, four primitives at a time: lanes are corners, edges and sides. */
 #include <string.h>
 
-#include "query/parts.h"
+#include "query/depth.h"
 
 enum { FAN = SPH__QUERY_FAN, TOGETHER = 4, LANES = FAN * TOGETHER };
 
@@ -12,7 +12,7 @@ typedef struct __attribute__((aligned(64))) lanes {
     float side[3][LANES], beyond[LANES], growth[LANES], face[3][LANES], room[LANES];
     float corner[3][LANES], thick[LANES]; /* the first corner */
     float shared_corner[LANES], shared_edge[LANES];
-    float enter[LANES], own[LANES], leave[LANES], in[LANES], out[LANES];
+    float enter[LANES], leave[LANES], in[LANES], out[LANES];
 } lanes;
 
 #define COPY(row) memcpy(&s->row[FAN * place], p->row, FAN * sizeof(float))
@@ -60,9 +60,8 @@ SPH__INLINE void meet(lanes *s, const sph__query_line *line, int count)
                                 s->beyond[l] + s->growth[l] * swell + margin, ex, ey, ez);
         const sph__query_span prism = sph__query_span_cut(side, &g, s->face[0][l], s->face[1][l], s->face[2][l],
                                                           g.radius + s->room[l], ex, ey, ez);
-        s->enter[l] = sph__query_least(sphere.enter, cone.enter);
-        s->own[l] = sph__query_least(sphere.enter + s->shared_corner[l], cone.enter + s->shared_edge[l]);
-        s->leave[l] = sph__query_most(sphere.leave, cone.leave);
+        s->enter[l] = sph__query_least(sphere.enter + s->shared_corner[l], cone.enter + s->shared_edge[l]);
+        s->leave[l] = sph__query_most(sphere.leave - s->shared_corner[l], cone.leave - s->shared_edge[l]);
         s->in[l] = prism.enter;
         s->out[l] = prism.leave;
     }
@@ -78,22 +77,18 @@ SPH__INLINE float most_of(const float *row)
     return sph__query_most(sph__query_most(row[0], row[1]), sph__query_most(row[2], row[3]));
 }
 
-/* When the line is in the primitive. */
-SPH__INLINE sph__query_entry entry_of(const lanes *s, int place)
+/* When the line is in parts of its own. */
+SPH__INLINE sph__query_span span_of(const lanes *s, int place)
 {
     const sph__query_span prism = {most_of(s->in + FAN * place), least_of(s->out + FAN * place)};
-    const sph__query_entry parts = {least_of(s->enter + FAN * place), least_of(s->own + FAN * place),
-                                    most_of(s->leave + FAN * place)};
-    return sph__query_entry_part(parts, sph__query_span_whole(prism), 0);
+    const sph__query_span parts = {least_of(s->enter + FAN * place), most_of(s->leave + FAN * place)};
+    return sph__query_span_part(parts, sph__query_span_whole(prism), 0);
 }
 
-SPH__CLONES static uint32_t touch_clones(const sph__query_parts *parts, const sph__query_fan *fans,
-                                         const sph__query_line *line, const uint32_t *slots, uint32_t count,
-                                         sph__query_listed *listed)
+SPH__CLONES static void touch_clones(const sph__query_parts *parts, const sph__query_line *line, const uint32_t *slots,
+                                     uint32_t count, float *keys)
 {
-    const float swell = line->reach + sph__query_margin(line->reach);
     lanes s;
-    uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i += TOGETHER) {
         const uint32_t here = count - i > 1 ? TOGETHER : 1;
         for (uint32_t j = 0; j < here; ++j) /* what is missing is the last one again */
@@ -102,19 +97,48 @@ SPH__CLONES static uint32_t touch_clones(const sph__query_parts *parts, const sp
             meet(&s, line, FAN);
         else
             meet(&s, line, LANES);
-        for (uint32_t j = 0; j < TOGETHER && i + j < count; ++j) {
-            const uint32_t slot = slots[i + j];
-            const float bound = sph__query_fan_bound(&fans[slot], line->from) - swell;
-            const float key = sph__query_key(entry_of(&s, (int)j), line->per_length, bound, line->reach);
-            listed[kept] = sph__query_list(key, slot);
-            kept += key <= 1;
-        }
+        for (uint32_t j = 0; j < TOGETHER && i + j < count; ++j)
+            keys[i + j] = sph__query_key(span_of(&s, (int)j), line->per_length);
     }
-    return kept;
 }
 
-uint32_t sph__query_parts_touch(const sph__query_parts *parts, const sph__query_fan *fans, const sph__query_line *line,
-                                const uint32_t *slots, uint32_t count, sph__query_listed *listed)
+void sph__query_parts_touch(const sph__query_parts *parts, const sph__query_line *line, const uint32_t *slots,
+                            uint32_t count, float *keys)
 {
-    return count > 0 ? touch_clones(parts, fans, line, slots, count, listed) : 0;
+    touch_clones(parts, line, slots, count, keys);
+}
+
+/* --- where the line begins --- */
+
+/* The edges of a primitive, and the measures of its faces. */
+SPH__INLINE float distance_of(const sph__query_parts *p, const float from[3])
+{
+    float edges[FAN], planes[FAN];
+    const float height =
+        sph__query_depth_plane(from[0] - p->center[0][0], from[1] - p->center[1][0], from[2] - p->center[2][0],
+                               p->plane[0][0], p->plane[1][0], p->plane[2][0]);
+    for (int l = 0; l < FAN; ++l) {
+        edges[l] = sph__query_depth_edge(from[0] - p->center[0][l], from[1] - p->center[1][l],
+                                         from[2] - p->center[2][l], p->axis[0][l], p->axis[1][l], p->axis[2][l],
+                                         p->radius[l], p->sine[l], p->tangent[l], p->whole[l]);
+        planes[l] = sph__query_depth_plane(from[0] - p->center[0][0], from[1] - p->center[1][0],
+                                           from[2] - p->center[2][0], p->plane[0][l], p->plane[1][l], p->plane[2][l]) +
+                    fabsf(height) * p->plane_height[l] + p->plane_constant[l];
+    }
+    return sph__query_depth_choose(least_of(edges), planes[1], planes[2], planes[3]);
+}
+
+SPH__CLONES static void begin_clones(const sph__query_parts *parts, const sph__query_line *line, const uint32_t *slots,
+                                     uint32_t count, float *keys)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        const sph__query_parts *p = &parts[slots[i]];
+        keys[i] = sph__query_depth_key(distance_of(p, line->from), p->loose, line->reach);
+    }
+}
+
+void sph__query_parts_begin(const sph__query_parts *parts, const sph__query_line *line, const uint32_t *slots,
+                            uint32_t count, float *keys)
+{
+    begin_clones(parts, line, slots, count, keys);
 }

@@ -5,6 +5,8 @@
 
 typedef float sph__query_v8f __attribute__((vector_size(32), may_alias, aligned(4)));
 
+typedef float sph__query_v16f __attribute__((vector_size(64), may_alias, aligned(4)));
+
 #define SPH__QUERY_LOW(a, b) __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13)
 #define SPH__QUERY_HIGH(a, b) __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15)
 #define SPH__QUERY_EVEN(a, b) __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13)
@@ -36,6 +38,17 @@ typedef float sph__query_v8f __attribute__((vector_size(32), may_alias, aligned(
         SPH__QUERY_COLUMN(c5) = SPH__QUERY_BACK(b1, b5);                                                               \
         SPH__QUERY_COLUMN(c6) = SPH__QUERY_BACK(b2, b6);                                                               \
         SPH__QUERY_COLUMN(c7) = SPH__QUERY_BACK(b3, b7);                                                               \
+    } while (0)
+
+/* Sixteen rows of eight: columns that are written as a whole. */
+#define SPH__QUERY_TRANSPOSE_16(row, next_row, columns)                                                                \
+    do {                                                                                                               \
+        sph__query_v8f low[8], high[8];                                                                                \
+        SPH__QUERY_TRANSPOSE(row, low, low + 1, low + 2, low + 3, low + 4, low + 5, low + 6, low + 7);                 \
+        SPH__QUERY_TRANSPOSE(next_row, high, high + 1, high + 2, high + 3, high + 4, high + 5, high + 6, high + 7);    \
+        for (int column = 0; column < 8; ++column)                                                                     \
+            *(sph__query_v16f *)(void *)(columns)[column] = __builtin_shufflevector(                                   \
+                low[column], high[column], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);                      \
     } while (0)
 
 #endif

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "hierarchy/lanes.h"
+#include "query/depth.h"
 #include "query/step.h"
 #include "query/transpose.h"
 
@@ -12,185 +13,304 @@ enum { SIDE = SPH__QUERY_SIDE };
 
 /* --- boxes --- */
 
-/* The boxes that the segment in a lane meets, in whole vectors. A row is chosen by the way it goes, without a branch.
+/* Those of a leaf that the segment in a lane meets, and those of them in which it begins, as bits: by boxes and slabs.
  */
-SPH__INLINE uint64_t meet(const sph__query_bounds *bounds, size_t begin, size_t count, const sph__query_aim *aim,
-                          int lane)
+SPH__INLINE void meet(const sph__query_bounds *bounds, uint32_t begin, const sph__query_aim *aim, uint32_t lane,
+                      uint32_t *met, uint32_t *begun)
 {
-    const size_t stride = bounds->stride;
-    const float *rows = bounds->rows + begin;
-    const size_t k0 = aim->inverse[0][lane] < 0, k1 = aim->inverse[1][lane] < 0, k2 = aim->inverse[2][lane] < 0;
-    const float *restrict in0 = rows + k0 * stride, *restrict out0 = rows + (k0 ^ 1) * stride;
-    const float *restrict in1 = rows + (2 + k1) * stride, *restrict out1 = rows + (2 + (k1 ^ 1)) * stride;
-    const float *restrict in2 = rows + (4 + k2) * stride, *restrict out2 = rows + (4 + (k2 ^ 1)) * stride;
-    const float p0 = aim->before[0][lane], p1 = aim->before[1][lane], p2 = aim->before[2][lane];
-    const float q0 = aim->after[0][lane], q1 = aim->after[1][lane], q2 = aim->after[2][lane];
+    const float *restrict low0 = bounds->low[0] + begin, *restrict high0 = bounds->high[0] + begin;
+    const float *restrict low1 = bounds->low[1] + begin, *restrict high1 = bounds->high[1] + begin;
+    const float *restrict low2 = bounds->low[2] + begin, *restrict high2 = bounds->high[2] + begin;
+    const float *restrict n0 = bounds->normal[0] + begin, *restrict n1 = bounds->normal[1] + begin;
+    const float *restrict n2 = bounds->normal[2] + begin;
+    const float *restrict low3 = bounds->slab_low + begin, *restrict high3 = bounds->slab_high + begin;
+    const float p0 = aim->above[0][lane], p1 = aim->above[1][lane], p2 = aim->above[2][lane];
+    const float q0 = aim->below[0][lane], q1 = aim->below[1][lane], q2 = aim->below[2][lane];
     const float i0 = aim->inverse[0][lane], i1 = aim->inverse[1][lane], i2 = aim->inverse[2][lane];
-    uint8_t __attribute__((aligned(64))) meets[SPH__QUERY_SLOTS];
-    for (size_t v = 0; v < SPH__QUERY_SLOTS / SPH__QUERY_LANES; ++v) {
-        int32_t __attribute__((aligned(64))) words[SPH__QUERY_LANES];
-        if (v * SPH__QUERY_LANES >= count) break;
-        for (size_t l = 0; l < SPH__QUERY_LANES; ++l) {
-            const size_t i = v * SPH__QUERY_LANES + l;
-            const float a0 = (in0[i] - p0) * i0, a1 = (in1[i] - p1) * i1, a2 = (in2[i] - p2) * i2;
-            const float b0 = (out0[i] - q0) * i0, b1 = (out1[i] - q1) * i1, b2 = (out2[i] - q2) * i2;
-            const float in = sph__query_most(sph__query_most(a0, a1), sph__query_most(a2, 0));
-            const float out = sph__query_least(sph__query_least(b0, b1), sph__query_least(b2, 1));
-            words[l] = in <= out;
-        }
-        for (size_t l = 0; l < SPH__QUERY_LANES; ++l)
-            meets[v * SPH__QUERY_LANES + l] = (uint8_t)words[l];
+    const float x0 = aim->place[0][lane], x1 = aim->place[1][lane], x2 = aim->place[2][lane];
+    const float s0 = aim->slope[0][lane], s1 = aim->slope[1][lane], s2 = aim->slope[2][lane];
+    const float reach = aim->reach[lane];
+    int32_t __attribute__((aligned(64))) words[SPH__QUERY_LANES];
+    uint8_t __attribute__((aligned(16))) bytes[SPH__QUERY_LANES];
+    for (size_t i = 0; i < SPH__QUERY_LANES; ++i) {
+        const float a0 = (low0[i] - p0) * i0, a1 = (low1[i] - p1) * i1, a2 = (low2[i] - p2) * i2;
+        const float b0 = (high0[i] - q0) * i0, b1 = (high1[i] - q1) * i1, b2 = (high2[i] - q2) * i2;
+        const float place = n0[i] * x0 + n1[i] * x1 + n2[i] * x2, rate = n0[i] * s0 + n1[i] * s1 + n2[i] * s2;
+        const float under = sph__query_under(low3[i], place, reach), over = sph__query_over(high3[i], place, reach);
+        const float i3 = 1 / (rate + (rate < 0 ? -1e-18f : 1e-18f)), a3 = under * i3, b3 = over * i3;
+        const float in = sph__query_most(sph__query_most(sph__query_least(a0, b0), sph__query_least(a1, b1)),
+                                         sph__query_least(a2, b2));
+        const float out = sph__query_least(sph__query_least(sph__query_most(a0, b0), sph__query_most(a1, b1)),
+                                           sph__query_least(sph__query_most(a2, b2), 1));
+        const int met_all = sph__query_most(sph__query_most(in, 0), sph__query_least(a3, b3)) <=
+                            sph__query_least(out, sph__query_most(a3, b3));
+        const int begun_in = (in <= 0) & (under <= 0) & (over >= 0);
+        words[i] = (met_all ? 1 : 0) | (begun_in ? 2 : 0);
     }
-    return sph__query_pack(meets);
+    for (size_t i = 0; i < SPH__QUERY_LANES; ++i)
+        bytes[i] = (uint8_t)words[i];
+    *met = sph__query_pack(bytes, 0);
+    *begun = sph__query_pack(bytes, 1);
 }
 
-SPH__CLONES static void wave_meet_clones(const sph__query_bounds *bounds, size_t begin, uint32_t count,
-                                         const sph__query_aim *aim, uint64_t *masks)
+SPH__CLONES static void wave_meet_clones(const sph__query_bounds *bounds, const uint16_t *begins,
+                                         const sph__query_aim *aim, uint64_t leaves, uint64_t *restrict met,
+                                         uint64_t *restrict begun)
 {
-    const uint64_t all = count < 64 ? ((uint64_t)1 << count) - 1 : ~(uint64_t)0;
     for (int i = 0; i < SPH__QUERY_AIM; ++i)
-        masks[i] = aim->span[i] < 0 ? 0 : meet(bounds, begin, count, aim, i) & all;
+        met[i] = begun[i] = 0;
+    for (; leaves != 0; leaves &= leaves - 1) {
+        const uint32_t bit = (uint32_t)__builtin_ctzll(leaves), lane = bit / SPH__QUERY_LEAVES;
+        const uint32_t leaf = bit % SPH__QUERY_LEAVES, begin = begins[leaf];
+        const uint32_t all = (1u << (begins[leaf + 1] - begin)) - 1;
+        uint32_t those, within;
+        meet(bounds, begin, aim, lane, &those, &within);
+        met[lane] |= (uint64_t)(those & all) << (SPH__QUERY_LANES * leaf);
+        begun[lane] |= (uint64_t)(those & within & all) << (SPH__QUERY_LANES * leaf);
+    }
+    for (int i = 0; i < SPH__QUERY_AIM; ++i) {
+        const uint64_t passes = 0 - (uint64_t)(aim->span[i] >= 0);
+        met[i] &= passes;
+        begun[i] &= passes;
+    }
 }
 
-void sph__query_wave_meet(const sph__query_bounds *bounds, size_t begin, uint32_t count, const sph__query_aim *aim,
-                          uint64_t masks[SPH__QUERY_AIM])
+void sph__query_wave_meet(const sph__query_bounds *bounds, const uint16_t *begins, const sph__query_aim *aim,
+                          uint64_t leaves, uint64_t met[SPH__QUERY_AIM], uint64_t begun[SPH__QUERY_AIM])
 {
-    wave_meet_clones(bounds, begin, count, aim, masks);
+    wave_meet_clones(bounds, begins, aim, leaves, met, begun);
 }
 
 /* --- parts --- */
 
-typedef sph__query_side lines;
+/* Side by side. */
+typedef struct __attribute__((aligned(64))) lines {
+    float from[3][SIDE], direction[3][SIDE], per_length[SIDE], reach[SIDE];
+} lines;
+
 _Static_assert(sizeof(sph__query_line) == sizeof(sph__query_v8f), "a line is a row");
 
-SPH__CLONES static void gather_clones(lines *side, const sph__query_line *all)
+#define LINE(i) &all[which[i]]
+#define NEXT_LINE(i) &all[which[8 + (i)]]
+
+SPH__INLINE void gather(lines *s, const sph__query_line *all, const uint8_t *which)
 {
-#define LINE(i) &all[side->which[at + (i)]]
-    for (int at = 0; at < SIDE; at += 8)
-        SPH__QUERY_TRANSPOSE(LINE, side->from[0] + at, side->from[1] + at, side->from[2] + at, side->direction[0] + at,
-                             side->direction[1] + at, side->direction[2] + at, side->per_length + at, side->reach + at);
+    float *const columns[8] = {s->from[0],      s->from[1],      s->from[2],    s->direction[0],
+                               s->direction[1], s->direction[2], s->per_length, s->reach};
+    SPH__QUERY_TRANSPOSE_16(LINE, NEXT_LINE, columns);
 }
 
-void sph__query_wave_gather(sph__query_side *side, const sph__query_line *all)
-{
-    gather_clones(side, all);
-}
+/* Feet side by side. */
+typedef struct __attribute__((aligned(64))) feet {
+    float at[SIDE], x[SIDE], y[SIDE], z[SIDE], radius[SIDE], apart[SIDE], inside[SIDE], blur[SIDE];
+} feet;
 
 #define DIRECTION s->direction[0][i], s->direction[1][i], s->direction[2][i]
 
-SPH__INLINE sph__query_foot foot_of(const sph__query_parts *p, int k, const lines *s, int i, float margin)
+/* --- of lines that begin outside --- */
+
+/* What has been found out about each line: feet of the corners, when it is in parts of the primitive, and in the prism.
+ */
+typedef struct __attribute__((aligned(64))) findings {
+    feet feet[3];
+    float enter[SIDE], leave[SIDE], in[SIDE], out[SIDE];
+} findings;
+
+SPH__INLINE sph__query_foot foot_of(const findings *f, int k, int i)
 {
-    return sph__query_foot_of(p->center[0][k], p->center[1][k], p->center[2][k], p->radius[k] + (s->reach[i] + margin),
-                              margin, s->from[0][i], s->from[1][i], s->from[2][i], DIRECTION);
+    const feet *s = &f->feet[k];
+    return (sph__query_foot){s->at[i], s->x[i], s->y[i], s->z[i], s->radius[i], s->apart[i], s->inside[i], s->blur[i]};
 }
 
-SPH__INLINE sph__query_span cone_of(const sph__query_parts *p, int k, const sph__query_foot *f, const lines *s, int i,
-                                    float margin)
+SPH__INLINE void set_feet(findings *f, const sph__query_parts *p, int k, const lines *s, int count)
 {
-    return sph__query_span_cone(f, p->axis[0][k], p->axis[1][k], p->axis[2][k], p->sine[k], p->cosine[k], p->length[k],
-                                DIRECTION, margin);
-}
-
-SPH__INLINE sph__query_span cut_by_side(const sph__query_parts *p, int k, sph__query_span span,
-                                        const sph__query_foot *f, const lines *s, int i, float margin)
-{
-    return sph__query_span_cut(span, f, p->side[0][k], p->side[1][k], p->side[2][k],
-                               p->beyond[k] + p->growth[k] * (s->reach[i] + margin) + margin, DIRECTION);
-}
-
-SPH__INLINE sph__query_span cut_by_face(const sph__query_parts *p, int k, sph__query_span span,
-                                        const sph__query_foot *f, const lines *s, int i)
-{
-    return sph__query_span_cut(span, f, p->face[k][0], p->face[k][1], p->face[k][2], f->radius + p->room, DIRECTION);
-}
-
-/* As sph__query_fan_bound. */
-SPH__INLINE float bound_of(const sph__query_fan *f, const lines *s, int i)
-{
-    float d = -SPH__QUERY_NEVER;
-    for (int k = 0; k < SPH__QUERY_FAN; ++k) {
-        const float place =
-            f->normal[0][k] * s->from[0][i] + f->normal[1][k] * s->from[1][i] + f->normal[2][k] * s->from[2][i];
-        d = sph__query_most(d, sph__query_most(f->low[k] - place, place - f->high[k]));
+    feet *to = &f->feet[k];
+    for (int i = 0; i < count; ++i) {
+        const float margin = sph__query_margin(s->reach[i]);
+        const sph__query_foot foot =
+            sph__query_foot_of(p->center[0][k], p->center[1][k], p->center[2][k], p->radius[k] + (s->reach[i] + margin),
+                               margin, s->from[0][i], s->from[1][i], s->from[2][i], DIRECTION);
+        to->at[i] = foot.at;
+        to->x[i] = foot.x;
+        to->y[i] = foot.y;
+        to->z[i] = foot.z;
+        to->radius[i] = foot.radius;
+        to->apart[i] = foot.apart;
+        to->inside[i] = foot.inside;
+        to->blur[i] = foot.blur;
     }
-    return d;
 }
 
-static const sph__query_entry NO_ENTRY = {SPH__QUERY_NEVER, SPH__QUERY_NEVER, -SPH__QUERY_NEVER};
-
-SPH__INLINE float finish(const sph__query_fan *f, const lines *s, int i, float margin, sph__query_entry entry)
+SPH__INLINE void add(findings *f, sph__query_span part, int i)
 {
-    return sph__query_key(entry, s->per_length[i], bound_of(f, s, i) - (s->reach[i] + margin), s->reach[i]);
+    f->enter[i] = sph__query_least(f->enter[i], part.enter);
+    f->leave[i] = sph__query_most(f->leave[i], part.leave);
 }
 
-SPH__INLINE void touch_spheres(const sph__query_parts *p, const sph__query_fan *fan, const lines *s, int count,
-                               float *restrict keys)
+SPH__INLINE void add_sphere(findings *f, int k, const lines *s, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        const sph__query_foot foot = foot_of(f, k, i);
+        add(f, sph__query_span_sphere(&foot, sph__query_margin(s->reach[i])), i);
+    }
+}
+
+SPH__INLINE void add_cone(findings *f, const sph__query_parts *p, int k, const lines *s, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        const sph__query_foot foot = foot_of(f, k, i);
+        add(f,
+            sph__query_span_cone(&foot, p->axis[0][k], p->axis[1][k], p->axis[2][k], p->sine[k], p->cosine[k],
+                                 p->length[k], DIRECTION, sph__query_margin(s->reach[i])),
+            i);
+    }
+}
+
+SPH__INLINE void cut_by_side(findings *f, const sph__query_parts *p, int k, const lines *s, int count)
 {
     for (int i = 0; i < count; ++i) {
         const float margin = sph__query_margin(s->reach[i]);
-        const sph__query_foot f = foot_of(p, 0, s, i, margin);
-        keys[i] = finish(fan, s, i, margin, sph__query_entry_part(NO_ENTRY, sph__query_span_sphere(&f, margin), 0));
+        const sph__query_foot foot = foot_of(f, k, i);
+        const sph__query_span prism = sph__query_span_cut(
+            (sph__query_span){f->in[i], f->out[i]}, &foot, p->side[0][k], p->side[1][k], p->side[2][k],
+            p->beyond[k] + p->growth[k] * (s->reach[i] + margin) + margin, DIRECTION);
+        f->in[i] = prism.enter;
+        f->out[i] = prism.leave;
     }
 }
 
-/* A corner, the edge that begins there, the side along it, and the faces. */
-#define CORNER(k)                                                                                                      \
-    const sph__query_foot f##k = foot_of(p, k, s, i, margin);                                                          \
-    entry = sph__query_entry_part(entry, sph__query_span_sphere(&f##k, margin), p->shared_corner[k])
-#define EDGE(k) entry = sph__query_entry_part(entry, cone_of(p, k, &f##k, s, i, margin), p->shared_edge[k])
-#define SIDE_OF(k) prism = cut_by_side(p, k, prism, &f##k, s, i, margin)
-
-SPH__INLINE void touch_capsules(const sph__query_parts *p, const sph__query_fan *fan, const lines *s, int count,
-                                float *restrict keys)
+SPH__INLINE void cut_by_face(findings *f, const sph__query_parts *p, int k, const lines *s, int count)
 {
     for (int i = 0; i < count; ++i) {
-        const float margin = sph__query_margin(s->reach[i]);
-        sph__query_entry entry = NO_ENTRY;
-        CORNER(0);
-        EDGE(0);
-        CORNER(1);
-        keys[i] = finish(fan, s, i, margin, entry);
+        const sph__query_foot foot = foot_of(f, 0, i);
+        const sph__query_span prism =
+            sph__query_span_cut((sph__query_span){f->in[i], f->out[i]}, &foot, p->face[k][0], p->face[k][1],
+                                p->face[k][2], foot.radius + p->room, DIRECTION);
+        f->in[i] = prism.enter;
+        f->out[i] = prism.leave;
     }
 }
 
-SPH__INLINE void touch_triangles(const sph__query_parts *p, const sph__query_fan *fan, const lines *s, int count,
-                                 float *restrict keys)
+SPH__INLINE void add_prism(findings *f, const sph__query_parts *p, const lines *s, int count)
 {
     for (int i = 0; i < count; ++i) {
-        const float margin = sph__query_margin(s->reach[i]);
-        sph__query_span prism = sph__query_span_all;
-        sph__query_entry entry = NO_ENTRY;
-        CORNER(0);
-        EDGE(0);
-        SIDE_OF(0);
-        prism = cut_by_face(p, 0, prism, &f0, s, i);
-        prism = cut_by_face(p, 1, prism, &f0, s, i);
-        CORNER(1);
-        EDGE(1);
-        SIDE_OF(1);
-        CORNER(2);
-        EDGE(2);
-        SIDE_OF(2);
-        entry = sph__query_entry_part(entry, sph__query_span_whole(prism), 0);
-        keys[i] = finish(fan, s, i, margin, entry);
+        f->in[i] = -SPH__QUERY_NEVER;
+        f->out[i] = SPH__QUERY_NEVER;
     }
+    for (int k = 0; k < 3; ++k)
+        cut_by_side(f, p, k, s, count);
+    for (int k = 0; k < 2; ++k)
+        cut_by_face(f, p, k, s, count);
+    for (int i = 0; i < count; ++i)
+        add(f, sph__query_span_whole((sph__query_span){f->in[i], f->out[i]}), i);
 }
 
-SPH__CLONES static void side_clones(const sph__query_parts *parts, const sph__query_fan *fan, const lines *side,
-                                    float *restrict keys)
+/* Which of the keys are not above the limit, as bits. */
+SPH__INLINE uint32_t those_up_to(const float *keys, float limit, uint32_t count)
 {
-    if (parts->corner_count == 3 && side->count > SIDE / 2)
-        touch_triangles(parts, fan, side, SIDE, keys);
+    int32_t __attribute__((aligned(64))) words[SIDE];
+    uint8_t __attribute__((aligned(16))) bytes[SIDE];
+    for (int i = 0; i < SIDE; ++i)
+        words[i] = keys[i] <= limit;
+    for (int i = 0; i < SIDE; ++i)
+        bytes[i] = (uint8_t)words[i];
+    return sph__query_pack(bytes, 0) & ((1u << count) - 1);
+}
+
+/* What is shared with a primitive of a lower number is left out; `edges` begin at the first corners. */
+SPH__INLINE void touch(const sph__query_parts *p, const lines *s, int corners, int edges, int count,
+                       float *restrict keys)
+{
+    findings f;
+    for (int i = 0; i < count; ++i) {
+        f.enter[i] = SPH__QUERY_NEVER;
+        f.leave[i] = -SPH__QUERY_NEVER;
+    }
+    for (int k = 0; k < corners; ++k) {
+        set_feet(&f, p, k, s, count);
+        if (p->shared_corner[k] == 0) add_sphere(&f, k, s, count);
+        if (k < edges && p->shared_edge[k] == 0) add_cone(&f, p, k, s, count);
+    }
+    if (corners == 3) add_prism(&f, p, s, count);
+    for (int i = 0; i < count; ++i)
+        keys[i] = sph__query_key((sph__query_span){f.enter[i], f.leave[i]}, s->per_length[i]);
+}
+
+SPH__CLONES static void wave_touch_clones(const sph__query_parts *parts, const sph__query_line *all,
+                                          const uint8_t *which, sph__query_called *called)
+{
+    lines side;
+    gather(&side, all, which);
+    if (parts->corner_count == 3 && called->count > SIDE / 2)
+        touch(parts, &side, 3, 3, SIDE, called->keys);
     else if (parts->corner_count == 3)
-        touch_triangles(parts, fan, side, SIDE / 2, keys);
+        touch(parts, &side, 3, 3, SIDE / 2, called->keys);
     else if (parts->corner_count == 2)
-        touch_capsules(parts, fan, side, SIDE, keys);
+        touch(parts, &side, 2, 1, SIDE, called->keys);
     else
-        touch_spheres(parts, fan, side, SIDE, keys);
+        touch(parts, &side, 1, 0, SIDE, called->keys);
+    called->listed = those_up_to(called->keys, 1, called->count);
 }
 
-void sph__query_wave_touch(const sph__query_parts *parts, const sph__query_fan *fan, const sph__query_side *side,
-                           float keys[SPH__QUERY_SIDE])
+void sph__query_wave_touch(const sph__query_parts *parts, const sph__query_line *all, const uint8_t *which,
+                           sph__query_called *called)
 {
-    side_clones(parts, fan, side, keys);
+    wave_touch_clones(parts, all, which, called);
+}
+
+/* --- where lines begin --- */
+
+SPH__INLINE float edge_of(const sph__query_parts *p, int k, const lines *s, int i)
+{
+    return sph__query_depth_edge(s->from[0][i] - p->center[0][k], s->from[1][i] - p->center[1][k],
+                                 s->from[2][i] - p->center[2][k], p->axis[0][k], p->axis[1][k], p->axis[2][k],
+                                 p->radius[k], p->sine[k], p->tangent[k], p->whole[k]);
+}
+
+SPH__INLINE float plane_of(const sph__query_parts *p, int l, const lines *s, int i)
+{
+    return sph__query_depth_plane(s->from[0][i] - p->center[0][0], s->from[1][i] - p->center[1][0],
+                                  s->from[2][i] - p->center[2][0], p->plane[0][l], p->plane[1][l], p->plane[2][l]);
+}
+
+SPH__INLINE float measure_of(const sph__query_parts *p, int l, const lines *s, int i, float height)
+{
+    return plane_of(p, l, s, i) + height * p->plane_height[l] + p->plane_constant[l];
+}
+
+/* Spheres and capsules begin with all that they are; of a triangle three edges and the faces count. */
+SPH__INLINE float distance_of(const sph__query_parts *p, int is_triangle, const lines *s, int i)
+{
+    const float edges = sph__query_least(edge_of(p, 0, s, i), edge_of(p, 1, s, i));
+    const float height = fabsf(plane_of(p, 0, s, i));
+    return is_triangle
+               ? sph__query_depth_choose(sph__query_least(edges, edge_of(p, 2, s, i)), measure_of(p, 1, s, i, height),
+                                         measure_of(p, 2, s, i, height), measure_of(p, 3, s, i, height))
+               : edges;
+}
+
+SPH__INLINE void begin(const sph__query_parts *p, int is_triangle, const lines *s, int count, float *restrict keys)
+{
+    for (int i = 0; i < count; ++i)
+        keys[i] = sph__query_depth_key(distance_of(p, is_triangle, s, i), p->loose, s->reach[i]);
+}
+
+SPH__CLONES static void wave_begin_clones(const sph__query_parts *parts, const sph__query_line *all,
+                                          const uint8_t *which, sph__query_called *called)
+{
+    lines side;
+    gather(&side, all, which);
+    if (parts->corner_count == 3 && called->count > SIDE / 2)
+        begin(parts, 1, &side, SIDE, called->keys);
+    else if (parts->corner_count == 3)
+        begin(parts, 1, &side, SIDE / 2, called->keys);
+    else
+        begin(parts, 0, &side, SIDE, called->keys);
+    called->listed = those_up_to(called->keys, 0, called->count);
+}
+
+void sph__query_wave_begin(const sph__query_parts *parts, const sph__query_line *all, const uint8_t *which,
+                           sph__query_called *called)
+{
+    wave_begin_clones(parts, all, which, called);
 }

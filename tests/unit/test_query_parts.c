@@ -17,10 +17,15 @@ static sph_context *context;
 static uint64_t state;
 static float centers[SPHERES][3], radii[SPHERES];
 static uint32_t edges[EDGES][2], triangles[TRIANGLES][3];
-static sph__query_move moves[RAYS];
+typedef struct move {
+    double start[3], way[3], radius, tolerance;
+} move;
+
+static move moves[RAYS];
 static sph__query_aim aims[RAYS]; /* in lane 0 */
 static sph__query_line lines[RAYS];
 static float waves[SLOTS][RAYS]; /* keys side by side; SPH__QUERY_MISS: none */
+static bool is_met[SLOTS][RAYS], is_begun[SLOTS][RAYS];
 
 static const double SCALES[] = {1, 1e-30, 1e30, 1e-4, 3e5};
 
@@ -103,7 +108,7 @@ static void random_direction(double d[3])
 }
 
 /* Past the surface of a primitive, nearer and nearer; or anywhere. */
-static void random_move(const sph_query *q, sph__query_move *m)
+static void random_move(const sph_query *q, move *m)
 {
     static const double OFF[] = {0, 1e-15, -1e-13, 1e-9, -1e-7, 1e-6, -1e-5, 1e-4, -1e-3};
     const sph__primitive *p = &q->solid.primitives[below(q->primitive_count)];
@@ -130,7 +135,7 @@ static void random_move(const sph_query *q, sph__query_move *m)
 }
 
 /* The first t at which it touches; above 1: never. */
-static double first_touch(const sph__primitive *p, const sph__query_move *m)
+static double first_touch(const sph__primitive *p, const move *m)
 {
     double t = 0;
     for (int step = 0; step < 200 && t <= 1; ++step) {
@@ -148,7 +153,7 @@ static double first_touch(const sph__primitive *p, const sph__query_move *m)
 static bool aim(const sph_query *q, uint32_t i)
 {
     sph__query_room room = {.scale = q->scale};
-    sph__query_move *m = &moves[i];
+    move *m = &moves[i];
     double from[3], to[3];
     memcpy(room.origin, q->origin, sizeof room.origin);
     memcpy(room.half, q->half, sizeof room.half);
@@ -173,58 +178,106 @@ static void make_rays(const sph_query *q)
     }
 }
 
+/* Of a line and primitive: is its bound met, and does the line begin in it? */
+static bool has_bit(const sph_query *q, const uint64_t *masks, uint32_t slot)
+{
+    uint32_t leaf = 0;
+    while (q->leaves[leaf + 1] <= slot)
+        ++leaf;
+    return masks[0] >> (SPH__QUERY_LANES * leaf + slot - q->leaves[leaf]) & 1;
+}
+
+static void ask_bounds(const sph_query *q, uint32_t i)
+{
+    uint64_t met[SPH__QUERY_AIM], begun[SPH__QUERY_AIM];
+    ck_assert_uint_le(q->solid.tree.depth, 2);
+    sph__query_wave_meet(&q->bounds, q->leaves, &aims[i], ((uint64_t)1 << (1u << q->solid.tree.depth)) - 1, met, begun);
+    for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
+        is_met[slot][i] = has_bit(q, met, slot);
+        is_begun[slot][i] = has_bit(q, begun, slot);
+    }
+}
+
+typedef void ask_fn(const sph__query_parts *, const sph__query_line *, const uint8_t *, sph__query_called *);
+
+/* The keys of 16 lines; fewer may go another way. */
+static void ask_side(ask_fn *ask, const sph__query_parts *parts, const uint8_t *which, float limit, float *keys)
+{
+    sph__query_called called = {.count = SIDE}, some;
+    ask(parts, lines, which, &called);
+    some.count = 1 + below(SIDE);
+    ask(parts, lines, which, &some);
+    memcpy(keys, called.keys, sizeof called.keys);
+    for (uint32_t k = 0; k < SIDE; ++k) {
+        ck_assert_uint_eq(called.listed >> k & 1, keys[k] <= limit);
+        ck_assert_uint_eq(some.listed >> k & 1, k < some.count && keys[k] <= limit);
+        if (k < some.count) ck_assert_float_eq(some.keys[k], keys[k]);
+    }
+}
+
 /* Keys of all primitives and lines. */
 static void ask_wave(const sph_query *q)
 {
+    for (uint32_t i = 0; i < RAYS; ++i)
+        ask_bounds(q, i);
     for (uint32_t i = 0; i < RAYS; i += SIDE) {
-        sph__query_side side = {.count = SIDE};
+        uint8_t which[SIDE];
         for (uint32_t k = 0; k < SIDE; ++k)
-            side.which[k] = (uint8_t)(i + k);
-        sph__query_wave_gather(&side, lines);
+            which[k] = (uint8_t)(i + k);
         for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
-            float __attribute__((aligned(64))) keys[SIDE];
-            side.count = SIDE;
-            sph__query_wave_touch(&q->parts[slot], &q->fans[slot], &side, keys);
+            float within[SIDE], ahead[SIDE];
+            ask_side(sph__query_wave_begin, &q->parts[slot], which, 0, within);
+            ask_side(sph__query_wave_touch, &q->parts[slot], which, 1, ahead);
             for (uint32_t k = 0; k < SIDE; ++k)
-                waves[slot][i + k] = keys[k];
-            side.count = 1 + below(SIDE); /* fewer may go another way */
-            sph__query_wave_touch(&q->parts[slot], &q->fans[slot], &side, keys);
-            for (uint32_t k = 0; k < side.count; ++k)
-                ck_assert_float_eq(keys[k], waves[slot][i + k]);
+                waves[slot][i + k] = is_begun[slot][i + k] && within[k] <= 0 ? within[k]
+                                     : is_met[slot][i + k]                   ? ahead[k]
+                                                                             : SPH__QUERY_MISS;
         }
     }
+}
+
+static void set_ray(const sph__query_aim *a, sph__query_ray *ray)
+{
+    for (int k = 0; k < 3; ++k) {
+        ray->above[k] = a->above[k][0];
+        ray->below[k] = a->below[k][0];
+        ray->inverse[k] = a->inverse[k][0];
+        ray->from[k] = a->place[k][0];
+        ray->way[k] = a->slope[k][0];
+    }
+    ray->reach = a->reach[0];
 }
 
 /* What a single ray is told; returns how many it may touch, whose keys are in `keys`. */
 static uint32_t ask_alone(const sph_query *q, uint32_t i, float keys[SLOTS])
 {
-    const sph__query_aim *a = &aims[i];
     sph__query_ray ray;
-    sph__query_listed listed[SPH__QUERY_CHUNK];
-    uint32_t met[SPH__QUERY_CHUNK], count;
-    float entry[SPH__QUERY_CHUNK];
-    uint64_t masks[SPH__QUERY_AIM], mask = 0;
-    for (int k = 0; k < 3; ++k) {
-        const bool back = a->inverse[k][0] < 0;
-        ray.above[k] = back ? a->after[k][0] : a->before[k][0];
-        ray.below[k] = back ? a->before[k][0] : a->after[k][0];
-        ray.inverse[k] = a->inverse[k][0];
-        ray.from[k] = a->place[k][0];
-        ray.way[k] = a->slope[k][0];
-    }
-    ray.reach = a->reach[0];
-    count = sph__query_kernel_meet(&q->bounds, 0, q->primitive_count, &ray, met, entry);
-    sph__query_wave_meet(&q->bounds, 0, q->primitive_count, a, masks);
-    for (uint32_t k = 0; k < count; ++k)
-        mask |= (uint64_t)1 << met[k];
-    ck_assert_uint_eq(mask, masks[0]);
+    uint32_t met[SPH__QUERY_CHUNK], count, kept = 0, found = 0;
+    float entry[SPH__QUERY_CHUNK], ahead[SPH__QUERY_CHUNK];
     for (uint32_t slot = 0; slot < q->primitive_count; ++slot)
         keys[slot] = SPH__QUERY_MISS;
-    count = sph__query_fan_enter(q->fans, &ray, entry, met, count, 1);
-    count = sph__query_parts_touch(q->parts, q->fans, &lines[i], met, count, listed);
-    for (uint32_t k = 0; k < count; ++k)
-        keys[(uint32_t)listed[k]] = sph__query_key_of(listed[k]);
-    return count;
+    set_ray(&aims[i], &ray);
+    count = sph__query_kernel_meet(&q->bounds, 0, q->primitive_count, &ray, met, entry);
+    for (uint32_t k = 0; k < count; ++k) {
+        const uint32_t slot = met[k];
+        const bool begins = entry[k] <= 0 && sph__query_begins_in_slab(&q->bounds, slot, &ray);
+        ck_assert_int_eq(begins, is_begun[slot][i]);
+        if (begins) sph__query_parts_begin(q->parts, &lines[i], &slot, 1, &keys[slot]);
+        if (begins && keys[slot] <= 0) {
+            ++found;
+            continue;
+        }
+        keys[slot] = SPH__QUERY_MISS;
+        met[kept] = slot;
+        entry[kept++] = entry[k];
+    }
+    kept = sph__query_fan_enter(q->fans, &ray, entry, met, kept, 1);
+    sph__query_parts_touch(q->parts, &lines[i], met, kept, ahead);
+    for (uint32_t k = 0; k < kept; ++k) {
+        keys[met[k]] = ahead[k];
+        found += ahead[k] <= 1;
+    }
+    return found;
 }
 
 /* Every primitive that is touched is listed, no later; returns how many there are. */
@@ -235,8 +288,9 @@ static size_t check_ray(const sph_query *q, uint32_t i, size_t *kept)
     *kept += ask_alone(q, i, keys);
     for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
         const double t = first_touch(&q->solid.primitives[slot], &moves[i]);
-        if (keys[slot] <= 1) ck_assert_float_eq(fmaxf(keys[slot], 0), fmaxf(waves[slot][i], 0));
+        if (keys[slot] <= 1 && waves[slot][i] <= 1) ck_assert_float_eq(keys[slot], waves[slot][i]);
         if (t > 1) continue;
+        ck_assert_float_eq(keys[slot], waves[slot][i]);
         ck_assert_msg(keys[slot] <= t, "touches at %.17g, but not before %.9g", t, (double)keys[slot]);
         if (t == 0)
             ck_assert_double_ge(sph__primitive_distance(&q->solid.primitives[slot], moves[i].start) - moves[i].radius,
@@ -266,6 +320,7 @@ START_TEST(a_bound_never_loses_a_hit_nor_begins_after_it)
         sph_query *q = random_query(SCALES[_i], SPH_SEARCH_EXHAUSTIVE);
         ck_assert_uint_le(q->primitive_count, SLOTS);
         make_rays(q);
+        ask_wave(q);
         for (uint32_t i = 0; i < RAYS; ++i)
             check_first(q, i);
         memset(q->shared, 0, q->primitive_count); /* each answers for itself */
@@ -288,7 +343,7 @@ START_TEST(the_first_hit_is_that_of_the_search_without_bounds)
         make_rays(q);
         for (uint32_t i = 0; i < RAYS; ++i) {
             double to[3], t, first = 2, last = 2;
-            sph__query_move thick = moves[i], thin;
+            move thick = moves[i], thin;
             const double slack = 1e-9 / sph__norm(moves[i].way);
             bool hit;
             for (int k = 0; k < 3; ++k) { /* as it is handed on */
