@@ -265,7 +265,7 @@ void sph__kernel_unite(const sph__region *u, const sph__region *v, size_t stride
 }
 
 SPH__CLONES static void single_unite_clones(const sph__region *u, const sph__region *v, const float *center,
-                                            double radius, float *block, double *out)
+                                            double radius, float *rows, double *out)
 {
     const sph__v8d zero = {0}, offset = zero + (v->radius - u->radius);
     sph__v8d sums[UNITE_SUMS] = {{0}};
@@ -278,15 +278,18 @@ SPH__CLONES static void single_unite_clones(const sph__region *u, const sph__reg
     ru = region_of(&lu);
     rv = region_of(&lv);
     unite_eight(&ru, &rv, SPH__LANES, 0, &offset, (const float *)at, radius - u->radius, (float *)to, sums);
-    for (size_t k = 0; k < SPH__BLOCK_ROWS; ++k) block[k] = to[k][0];
+    /* Whole vectors: the costs of the new node's edges, which read it as such, need not wait for its parts. */
+    *(sph__v8f *)rows = (sph__v8f){to[0][0], to[1][0], to[2][0], to[3][0], to[4][0], to[5][0], to[6][0], to[7][0]};
+    *(sph__v8f *)(rows + SPH__LANES) = (sph__v8f){to[8][0], to[9][0], to[10][0], to[11][0], center[0], center[1], center[2],
+                                                  (float)radius};
     for (size_t k = 0; k < UNITE_SUMS; ++k) out[k] = sums[k][0];
 }
 
 void sph__kernel_single_unite(const sph__region *u, const sph__region *v, const float center[3], double radius,
-                              float block[SPH__BLOCK_ROWS], double *w, double *b, double *c)
+                              float rows[SPH__SINGLE_ROWS], double *w, double *b, double *c)
 {
     double out[UNITE_SUMS];
-    single_unite_clones(u, v, center, radius, block, out);
+    single_unite_clones(u, v, center, radius, rows, out);
     unite_scalars(u, v, radius, out, w, b, c);
 }
 

@@ -67,7 +67,7 @@ void sph__kernel_pair_sums(const sph__region us[SPH__LANES], const sph__region v
 void sph__kernel_single_center(const sph__region *u, const sph__region *v, double lambda, double radius,
                                float center[3]);
 void sph__kernel_single_unite(const sph__region *u, const sph__region *v, const float center[3], double radius,
-                              float block[SPH__BLOCK_ROWS], double *w, double *b, double *c);
+                              float rows[SPH__SINGLE_ROWS], double *w, double *b, double *c);
 
 /* The centres of the united sphere: three rows. */
 void sph__kernel_centers(const sph__region *u, const sph__region *v, size_t stride, double coherence, double lambda,
@@ -83,8 +83,10 @@ void sph__kernel_unite(const sph__region *u, const sph__region *v, size_t stride
 /* Whether the sum over frames of sqrt(area * area') n.n' of triangle (p, q, before) and (p, q, after) is below zero. */
 bool sph__kernel_inverts(const float *p, const float *q, const float *before, const float *after, size_t stride);
 
-/* Whether that is below zero for one of eight triangles of one frame; p, q, before and after of each. */
-bool sph__kernel_any_inversion(float corners[4][3][SPH__LANES]);
+/* Whether that is below zero for one of eight triangles of one frame that share a corner: its place before and after, and
+ * their other corners, each the first three of four floats, aligned to them. */
+bool sph__kernel_any_inversion(const float *const p[SPH__LANES], const float *const q[SPH__LANES], const float before[3],
+                               const float after[3]);
 
 /* The signed volume of the tetrahedron (o, p, q, r), and the area of (p, q, r), each summed over frames. */
 void sph__kernel_volume(const float *o, const float *p, const float *q, const float *r, size_t stride, double sums[2]);

@@ -12,6 +12,7 @@
 #include "hierarchy/kernel.h"
 
 typedef float sph__v8f __attribute__((vector_size(32), may_alias));
+typedef float sph__v4f __attribute__((vector_size(16), may_alias));
 typedef double sph__v8d __attribute__((vector_size(64)));
 typedef int64_t sph__v8i __attribute__((vector_size(64)));
 typedef uint64_t sph__v8u __attribute__((vector_size(64)));

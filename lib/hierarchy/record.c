@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What is kept of simplices: each with its youngest vertex. */
 #include "hierarchy/collapses.h"
-#include "hierarchy/ranks.h"
 
 static sph_status reserve(sph__births *births, const sph_context *context, uint32_t edges, uint32_t triangles)
 {
@@ -15,20 +14,27 @@ static sph_status reserve(sph__births *births, const sph_context *context, uint3
     return SPH_OK;
 }
 
-/* Brings the keys into order, which are all different. Of fewer than FEW it takes longer to count than to move them. */
-enum { FEW = 5 };
+/* Brings the keys into order, which are all different. It is found by counting how many are below each,
+ * which has no branches to mispredict, unless there are too few or too many. */
+enum { FEW = 5, MANY = 12 };
 
 static void order(sph__keyed *keys, size_t count)
 {
-    uint64_t few[SPH__RANKED], items[SPH__RANKED], ranks[SPH__RANKED];
-    if (count < FEW || count > SPH__RANKED) {
+    uint64_t few[MANY], items[MANY];
+    if (count < FEW || count > MANY) {
         sph__sort(keys, count);
         return;
     }
-    for (size_t i = 0; i < SPH__RANKED; ++i) few[i] = i < count ? keys[i].key : UINT64_MAX;
-    for (size_t i = 0; i < count; ++i) items[i] = keys[i].item;
-    sph__kernel_ranks(few, count, ranks);
-    for (size_t i = 0; i < count; ++i) keys[ranks[i]] = (sph__keyed){few[i], items[i]};
+    for (size_t i = 0; i < count; ++i) {
+        few[i] = keys[i].key;
+        items[i] = keys[i].item;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        size_t before = 0;
+        for (size_t j = 0; j < count; ++j) before += few[j] < few[i];
+        keys[before].key = few[i];
+        keys[before].item = items[i];
+    }
 }
 
 static void add_edges(sph__births *births, const sph__connectivity *mesh, uint32_t node)

@@ -59,27 +59,21 @@ static const float *center_of(const sph__builder *b, uint32_t node)
 static bool inverts_around(const sph__builder *b, uint32_t node, uint32_t other, const float *center)
 {
     const uint32_t *triangles = sph__triangles_of(&b->mesh, node), count = sph__triangle_count_of(&b->mesh, node);
-    _Alignas(SPH__ALIGN) float corners[4][3][SPH__LANES] = {{{0}}}; /* no triangle: a point, which does not turn */
-    const float *own = center_of(b, node);
+    const float *own = center_of(b, node), *p[SPH__LANES], *q[SPH__LANES];
     size_t lane = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        const float *p, *q;
         uint32_t x[2];
         sph__triangle_others(&b->mesh, triangles[i], node, x);
         if (x[0] == other || x[1] == other) continue;
-        p = center_of(b, x[0]);
-        q = center_of(b, x[1]);
-        for (size_t k = 0; k < 3; ++k) {
-            corners[0][k][lane] = p[k];
-            corners[1][k][lane] = q[k];
-            corners[2][k][lane] = own[k];
-            corners[3][k][lane] = center[k];
-        }
+        p[lane] = center_of(b, x[0]);
+        q[lane] = center_of(b, x[1]);
         if (++lane < SPH__LANES) continue;
-        if (sph__kernel_any_inversion(corners)) return true;
-        lane = 0; /* what stays in the lanes does not turn */
+        if (sph__kernel_any_inversion(p, q, own, center)) return true;
+        lane = 0;
     }
-    return lane > 0 && sph__kernel_any_inversion(corners);
+    if (lane == 0) return false;
+    for (; lane < SPH__LANES; ++lane) p[lane] = q[lane] = own; /* no triangle: a point, which does not turn */
+    return sph__kernel_any_inversion(p, q, own, center);
 }
 
 bool sph__single_inverts(const sph__builder *b, uint32_t u, uint32_t v, const float *center)
@@ -95,6 +89,4 @@ void sph__single_unite(const sph__builder *b, uint32_t u, uint32_t v, const sph_
     read_region(b, sph__slot_of(b, v), &rv);
     sph__kernel_single_unite(&ru, &rv, b->new_center, (double)candidate->radius, slot->block, &slot->w, &slot->b,
                              &slot->c);
-    memcpy(slot->block + SPH__SINGLE_CENTER, b->new_center, 3 * sizeof(float));
-    slot->block[SPH__SINGLE_RADIUS] = candidate->radius;
 }

@@ -5,22 +5,38 @@
 #include "hierarchy/kernel.h"
 #include "hierarchy/lanes.h"
 
-/* The normals, as long as twice the areas, of (p, q, before) and (p, q, after) in eight frames, or of eight triangles. */
-SPH__INLINE void find_normals(const float *p, const float *q, const float *before, const float *after, size_t s, size_t i,
-                              sph__v8d n[3], sph__v8d m[3])
+/* The normals, as long as twice the areas, of (p, q, before) and (p, q, after). */
+SPH__INLINE void make_normals(const sph__v8d p[3], const sph__v8d q[3], const sph__v8d before[3],
+                              const sph__v8d after[3], sph__v8d n[3], sph__v8d m[3])
 {
     sph__v8d e[3], f[3], g[3];
     for (size_t k = 0; k < 3; ++k) {
-        const sph__v8d o = sph__load(p, k * s + i);
-        e[k] = sph__load(q, k * s + i) - o;
-        f[k] = sph__load(before, k * s + i) - o;
-        g[k] = sph__load(after, k * s + i) - o;
+        e[k] = q[k] - p[k];
+        f[k] = before[k] - p[k];
+        g[k] = after[k] - p[k];
     }
     for (size_t k = 0; k < 3; ++k) {
         const size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
         n[k] = e[k1] * f[k2] - e[k2] * f[k1];
         m[k] = e[k1] * g[k2] - e[k2] * g[k1];
     }
+}
+
+SPH__INLINE void load_points(const float *x, size_t s, size_t i, sph__v8d to[3])
+{
+    for (size_t k = 0; k < 3; ++k) to[k] = sph__load(x, k * s + i);
+}
+
+/* In eight frames. */
+SPH__INLINE void find_normals(const float *p, const float *q, const float *before, const float *after, size_t s, size_t i,
+                              sph__v8d n[3], sph__v8d m[3])
+{
+    sph__v8d points[4][3];
+    load_points(p, s, i, points[0]);
+    load_points(q, s, i, points[1]);
+    load_points(before, s, i, points[2]);
+    load_points(after, s, i, points[3]);
+    make_normals(points[0], points[1], points[2], points[3], n, m);
 }
 
 #define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
@@ -75,9 +91,41 @@ bool sph__kernel_inverts(const float *p, const float *q, const float *before, co
     return opposed_clones(p, q, before, after, stride) && inversion_clones(p, q, before, after, stride) < 0;
 }
 
-bool sph__kernel_any_inversion(float corners[4][3][SPH__LANES])
+/* Eight points of one frame, each of four floats of which three count. */
+SPH__INLINE void gather_points(const float *const *from, sph__v8d to[3])
 {
-    return opposed_clones(corners[0][0], corners[1][0], corners[2][0], corners[3][0], SPH__LANES);
+    sph__v8f rows[4], pairs[4];
+    for (size_t l = 0; l < 4; ++l)
+        rows[l] = __builtin_shufflevector(*(const sph__v4f *)from[l], *(const sph__v4f *)from[l + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+    for (size_t l = 0; l < 2; ++l) {
+        pairs[l] = __builtin_shufflevector(rows[2 * l], rows[2 * l + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        pairs[l + 2] = __builtin_shufflevector(rows[2 * l], rows[2 * l + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    to[0] = sph__widen(__builtin_shufflevector(pairs[0], pairs[1], 0, 1, 8, 9, 4, 5, 12, 13));
+    to[1] = sph__widen(__builtin_shufflevector(pairs[0], pairs[1], 2, 3, 10, 11, 6, 7, 14, 15));
+    to[2] = sph__widen(__builtin_shufflevector(pairs[2], pairs[3], 0, 1, 8, 9, 4, 5, 12, 13));
+}
+
+SPH__CLONES static bool any_inversion_clones(const float *const *p, const float *const *q, const float *before,
+                                             const float *after)
+{
+    const sph__v8d zero = {0};
+    sph__v8d points[4][3], n[3], m[3], dot;
+    gather_points(p, points[0]);
+    gather_points(q, points[1]);
+    for (size_t k = 0; k < 3; ++k) {
+        points[2][k] = zero + (double)before[k];
+        points[3][k] = zero + (double)after[k];
+    }
+    make_normals(points[0], points[1], points[2], points[3], n, m);
+    dot = DOT(n, m);
+    return is_any_negative(&dot);
+}
+
+bool sph__kernel_any_inversion(const float *const p[SPH__LANES], const float *const q[SPH__LANES], const float before[3],
+                               const float after[3])
+{
+    return any_inversion_clones(p, q, before, after);
 }
 
 SPH__INLINE void add_volume(const float *o, const float *p, const float *q, const float *r, size_t s, size_t i,

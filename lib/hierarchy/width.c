@@ -79,24 +79,30 @@ void sph__prefetch_widths(const sph__builder *b, const sph__slot *slot)
         for (size_t k = 0; k < 256; k += 64) __builtin_prefetch(row + i + k);
 }
 
-#define UNITE_INTERVALS(low, other, count) \
-    for (size_t i = 0; i < (count); ++i) { \
-        (low)[i] = (other)[i] < (low)[i] ? (other)[i] : (low)[i]; \
-        (low)[(count) + i] = (other)[(count) + i] > (low)[(count) + i] ? (other)[(count) + i] : (low)[(count) + i]; \
+/* Low ends, then high ends; by vectors as wide as they are read soon after, so that nothing waits for parts of them. */
+SPH__CLONES static void unite_probes(double *low, const double *other, size_t count)
+{
+    sph__v8d *to = (sph__v8d *)low;
+    const sph__v8d *from = (const sph__v8d *)other;
+    for (size_t i = 0; i < count / SPH__LANES; ++i) {
+        sph__smaller(&from[i], &to[i]);
+        sph__larger(&from[count / SPH__LANES + i], &to[count / SPH__LANES + i]);
     }
+}
+
+SPH__CLONES static void unite_bounds(float *low, const float *other, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) low[i] = other[i] < low[i] ? other[i] : low[i];
+    for (size_t i = count; i < 2 * count; ++i) low[i] = other[i] > low[i] ? other[i] : low[i];
+}
 
 /* The united region's probes, into u's rows. */
 void sph__unite_widths(const sph__builder *b, sph__slot *u, const sph__slot *v, const sph__candidate *candidate)
 {
-    if (b->probes == NULL) {
-        float *low = sph__probe_bounds_of(b, u);
-        const float *other = sph__probe_bounds_of(b, v);
-        UNITE_INTERVALS(low, other, b->probe_count)
-    } else {
-        double *low = sph__probes_of(b, u);
-        const double *other = sph__probes_of(b, v);
-        UNITE_INTERVALS(low, other, b->probe_count)
-    }
+    if (b->probes == NULL)
+        unite_bounds(sph__probe_bounds_of(b, u), sph__probe_bounds_of(b, v), b->probe_count);
+    else
+        unite_probes(sph__probes_of(b, u), sph__probes_of(b, v), b->probe_count);
     if (candidate->width > 0)
         u->width = (double)candidate->width;
     else if (v->width > u->width)
