@@ -100,7 +100,7 @@ SPH__CLONES static void sieve_clones(const frame *f, const sph_sweep *sweeps, co
     for (int i = 0; i < LANES; ++i)
         s.leaves[i] = s.is_far[i] & (int32_t)all;
     for (uint32_t box = 0; box < box_count; ++box)
-        meet_box(&s, &boxes[box], 1 << box);
+        meet_box(&s, &boxes[box], (int32_t)(1u << box));
     for (int i = 0; i < LANES; ++i)
         leaves[i] = (uint32_t)s.leaves[i];
 }
