@@ -14,7 +14,8 @@
 
 enum {
     SPH__QUERY_LANES = 16,
-    SPH__QUERY_CHUNK = 128 /* boxes that are tested at a time; a multiple of 64 */
+    SPH__QUERY_CHUNK = 128, /* boxes that are tested at a time; a multiple of 64 */
+    SPH__QUERY_ROWS = 11
 };
 
 /* Rows, padded by a whole vector of boxes that nothing meets. */
@@ -24,6 +25,12 @@ typedef struct sph__query_bounds {
     float *low[3], *high[3];                 /* rows 0, 2, 4 and 1, 3, 5 */
     float *normal[3], *slab_low, *slab_high; /* rows 6 to 10: of all slabs (fan.h) that which cuts off most */
 } sph__query_bounds;
+
+/* The same of a leaf of the tree: no vector is on two lines of a cache. */
+typedef struct __attribute__((aligned(64))) sph__query_leaf {
+    float rows[SPH__QUERY_ROWS][SPH__QUERY_LANES];
+    uint32_t all; /* lanes that are primitives, as bits */
+} sph__query_leaf;
 
 /*
  * A segment p + t d, 0 <= t <= 1, along which something of extent `reach` moves. Where bounds are no help, all are met.

@@ -124,7 +124,7 @@ static void meet(wave *w, together *t, const uint32_t *leaves, uint32_t here)
     for (uint32_t lane = 0; lane < here; ++lane)
         all |= (uint64_t)(leaves[lane] >> w->leaf & 15) << (SPH__QUERY_LEAVES * lane);
     sph__query_aim_sweeps(&t->aim, &w->room, w->packet->sweeps, t->which);
-    sph__query_wave_meet(&q->bounds, q->leaves + w->leaf, &t->aim, all, t->met, t->begun);
+    sph__query_wave_meet(q->leaf_bounds + w->leaf, &t->aim, all, t->met, t->begun);
 }
 
 /* Takes up `here` sweeps that the sieve has left, from number `first` of them on. */

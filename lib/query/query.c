@@ -39,6 +39,7 @@ void sph_query_destroy(sph_query *q)
     sph__free(context, q->simplices);
     sph__free(context, q->numbers);
     sph__free(context, q->shared);
+    sph__free(context, q->leaf_bounds);
     sph__free(context, q->fans);
     sph__free(context, q->parts);
     sph__free(context, q);
@@ -178,9 +179,11 @@ static sph_status sort_by_leaves(sph_query *q)
 }
 
 /* Of a tree that halves its range at each node. */
-static void find_leaves(sph_query *q)
+static bool find_leaves(sph_query *q)
 {
     const uint32_t depth = q->solid.tree.depth, count = 1u << depth;
+    q->leaf_bounds = sph__zalloc(q->context, count, sizeof *q->leaf_bounds);
+    if (q->leaf_bounds == NULL) return false;
     for (uint32_t leaf = 0; leaf < count; ++leaf) {
         sph__box_visit v = {1, 0, q->primitive_count, 0};
         for (uint32_t bit = count >> 1; bit != 0; bit >>= 1) {
@@ -192,7 +195,9 @@ static void find_leaves(sph_query *q)
         }
         q->leaves[leaf] = (uint16_t)v.begin;
         q->leaves[leaf + 1] = (uint16_t)v.end;
+        q->leaf_bounds[leaf].all = (1u << (v.end - v.begin)) - 1;
     }
+    return true;
 }
 
 /* Also where all is searched: neighbours are neighbours in memory then. */
@@ -202,7 +207,7 @@ static sph_status build_tree(sph_query *q)
         return sph__fail_memory(q->context);
     sph_query_pose_frame(q, widest_frame(q));
     sph__box_tree_build(&q->solid.tree, q->solid.boxes, q->primitive_count, SPH__QUERY_LEAF);
-    if (q->primitive_count <= SPH__QUERY_MANY) find_leaves(q);
+    if (q->primitive_count <= SPH__QUERY_MANY && !find_leaves(q)) return sph__fail_memory(q->context);
     return sort_by_leaves(q);
 }
 
@@ -247,7 +252,7 @@ static bool allocate_bounds(sph_query *q)
     sph__query_bounds *b = &q->bounds;
     /* rows start at different places of a cache's sets */
     const size_t stride = ((size_t)q->primitive_count + SPH__QUERY_LANES) / SPH__QUERY_LANES * SPH__QUERY_LANES + 16;
-    float *row = b->rows = sph__zalloc(q->context, 11 * stride, sizeof *row);
+    float *row = b->rows = sph__zalloc(q->context, SPH__QUERY_ROWS * stride, sizeof *row);
     if (row == NULL) return false;
     b->stride = stride;
     for (int k = 0; k < 3; ++k) {

@@ -53,6 +53,7 @@ struct sph_query {
     sph__query_simplex *simplices;
     uint32_t *numbers; /* of a slot: the primitive's place in the order of the simplices, by which ties go */
     uint16_t leaves[SPH__QUERY_MANY_LEAVES + 1]; /* where they begin; of no more than SPH__QUERY_MANY primitives */
+    sph__query_leaf *leaf_bounds;
     uint8_t *shared; /* of a slot: which parts a primitive with a lower number has too (parts.h) */
     sph__query_bounds bounds;
     sph__query_fan *fans;          /* by slot */

@@ -9,30 +9,28 @@
 #include "query/step.h"
 #include "query/transpose.h"
 
-enum { SIDE = SPH__QUERY_SIDE };
+enum { SIDE = SPH__QUERY_SIDE, LANES = SPH__QUERY_LANES };
 
 /* --- boxes --- */
 
-/* Those of a leaf that the segment in a lane meets, and those of them in which it begins, as bits: by boxes and slabs.
- */
-SPH__INLINE void meet(const sph__query_bounds *bounds, uint32_t begin, const sph__query_aim *aim, uint32_t lane,
-                      uint32_t *met, uint32_t *begun)
+/* Those of a leaf that the segment in a lane meets, and those of them in which it begins, as bits: by boxes and slabs. */
+SPH__INLINE void meet(const sph__query_leaf *leaf, const sph__query_aim *aim, uint32_t lane, uint32_t *met,
+                      uint32_t *begun)
 {
-    const float *restrict low0 = bounds->low[0] + begin, *restrict high0 = bounds->high[0] + begin;
-    const float *restrict low1 = bounds->low[1] + begin, *restrict high1 = bounds->high[1] + begin;
-    const float *restrict low2 = bounds->low[2] + begin, *restrict high2 = bounds->high[2] + begin;
-    const float *restrict n0 = bounds->normal[0] + begin, *restrict n1 = bounds->normal[1] + begin;
-    const float *restrict n2 = bounds->normal[2] + begin;
-    const float *restrict low3 = bounds->slab_low + begin, *restrict high3 = bounds->slab_high + begin;
+    const float *rows = leaf->rows[0];
+    const float *restrict low0 = rows, *restrict high0 = rows + LANES, *restrict low1 = rows + 2 * LANES;
+    const float *restrict high1 = rows + 3 * LANES, *restrict low2 = rows + 4 * LANES;
+    const float *restrict high2 = rows + 5 * LANES, *restrict n0 = rows + 6 * LANES, *restrict n1 = rows + 7 * LANES;
+    const float *restrict n2 = rows + 8 * LANES, *restrict low3 = rows + 9 * LANES, *restrict high3 = rows + 10 * LANES;
     const float p0 = aim->above[0][lane], p1 = aim->above[1][lane], p2 = aim->above[2][lane];
     const float q0 = aim->below[0][lane], q1 = aim->below[1][lane], q2 = aim->below[2][lane];
     const float i0 = aim->inverse[0][lane], i1 = aim->inverse[1][lane], i2 = aim->inverse[2][lane];
     const float x0 = aim->place[0][lane], x1 = aim->place[1][lane], x2 = aim->place[2][lane];
     const float s0 = aim->slope[0][lane], s1 = aim->slope[1][lane], s2 = aim->slope[2][lane];
     const float reach = aim->reach[lane];
-    int32_t __attribute__((aligned(64))) words[SPH__QUERY_LANES];
-    uint8_t __attribute__((aligned(16))) bytes[SPH__QUERY_LANES];
-    for (size_t i = 0; i < SPH__QUERY_LANES; ++i) {
+    int32_t __attribute__((aligned(64))) words[LANES];
+    uint8_t __attribute__((aligned(16))) bytes[LANES];
+    for (int i = 0; i < LANES; ++i) {
         const float a0 = (low0[i] - p0) * i0, a1 = (low1[i] - p1) * i1, a2 = (low2[i] - p2) * i2;
         const float b0 = (high0[i] - q0) * i0, b1 = (high1[i] - q1) * i1, b2 = (high2[i] - q2) * i2;
         const float place = n0[i] * x0 + n1[i] * x1 + n2[i] * x2, rate = n0[i] * s0 + n1[i] * s1 + n2[i] * s2;
@@ -47,26 +45,25 @@ SPH__INLINE void meet(const sph__query_bounds *bounds, uint32_t begin, const sph
         const int begun_in = (in <= 0) & (under <= 0) & (over >= 0);
         words[i] = (met_all ? 1 : 0) | (begun_in ? 2 : 0);
     }
-    for (size_t i = 0; i < SPH__QUERY_LANES; ++i)
+    for (int i = 0; i < LANES; ++i)
         bytes[i] = (uint8_t)words[i];
     *met = sph__query_pack(bytes, 0);
     *begun = sph__query_pack(bytes, 1);
 }
 
-SPH__CLONES static void wave_meet_clones(const sph__query_bounds *bounds, const uint16_t *begins,
-                                         const sph__query_aim *aim, uint64_t leaves, uint64_t *restrict met,
-                                         uint64_t *restrict begun)
+SPH__CLONES static void wave_meet_clones(const sph__query_leaf *those, const sph__query_aim *aim, uint64_t leaves,
+                                         uint64_t *restrict met, uint64_t *restrict begun)
 {
     for (int i = 0; i < SPH__QUERY_AIM; ++i)
         met[i] = begun[i] = 0;
     for (; leaves != 0; leaves &= leaves - 1) {
         const uint32_t bit = (uint32_t)__builtin_ctzll(leaves), lane = bit / SPH__QUERY_LEAVES;
-        const uint32_t leaf = bit % SPH__QUERY_LEAVES, begin = begins[leaf];
-        const uint32_t all = (1u << (begins[leaf + 1] - begin)) - 1;
-        uint32_t those, within;
-        meet(bounds, begin, aim, lane, &those, &within);
-        met[lane] |= (uint64_t)(those & all) << (SPH__QUERY_LANES * leaf);
-        begun[lane] |= (uint64_t)(those & within & all) << (SPH__QUERY_LANES * leaf);
+        const uint32_t number = bit % SPH__QUERY_LEAVES;
+        const sph__query_leaf *leaf = &those[number];
+        uint32_t found, within;
+        meet(leaf, aim, lane, &found, &within);
+        met[lane] |= (uint64_t)(found & leaf->all) << (LANES * number);
+        begun[lane] |= (uint64_t)(found & within & leaf->all) << (LANES * number);
     }
     for (int i = 0; i < SPH__QUERY_AIM; ++i) {
         const uint64_t passes = 0 - (uint64_t)(aim->span[i] >= 0);
@@ -75,10 +72,10 @@ SPH__CLONES static void wave_meet_clones(const sph__query_bounds *bounds, const 
     }
 }
 
-void sph__query_wave_meet(const sph__query_bounds *bounds, const uint16_t *begins, const sph__query_aim *aim,
-                          uint64_t leaves, uint64_t met[SPH__QUERY_AIM], uint64_t begun[SPH__QUERY_AIM])
+void sph__query_wave_meet(const sph__query_leaf *those, const sph__query_aim *aim, uint64_t leaves,
+                          uint64_t met[SPH__QUERY_AIM], uint64_t begun[SPH__QUERY_AIM])
 {
-    wave_meet_clones(bounds, begins, aim, leaves, met, begun);
+    wave_meet_clones(those, aim, leaves, met, begun);
 }
 
 /* --- parts --- */

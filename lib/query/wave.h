@@ -16,11 +16,11 @@ enum {
 };
 
 /*
- * Which boxes of primitives the segment in each lane meets, and in which it begins, as bits, SPH__QUERY_LANES for each
- * leaf. Slots begins[i] to begins[i + 1] are leaf i; those that a lane may meet are SPH__QUERY_LEAVES bits of `leaves`.
+ * Which bounds of primitives the segment in each lane meets, and in which it begins, as bits, SPH__QUERY_LANES for each
+ * of SPH__QUERY_LEAVES leaves; those that a lane may meet are so many bits of `leaves`.
  */
-void sph__query_wave_meet(const sph__query_bounds *bounds, const uint16_t *begins, const sph__query_aim *aim,
-                          uint64_t leaves, uint64_t met[SPH__QUERY_AIM], uint64_t begun[SPH__QUERY_AIM]);
+void sph__query_wave_meet(const sph__query_leaf *those, const sph__query_aim *aim, uint64_t leaves,
+                          uint64_t met[SPH__QUERY_AIM], uint64_t begun[SPH__QUERY_AIM]);
 
 /* Lines that have been called to a primitive, and their keys. */
 typedef struct __attribute__((aligned(64))) sph__query_called {

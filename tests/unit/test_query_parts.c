@@ -191,7 +191,7 @@ static void ask_bounds(const sph_query *q, uint32_t i)
 {
     uint64_t met[SPH__QUERY_AIM], begun[SPH__QUERY_AIM];
     ck_assert_uint_le(q->solid.tree.depth, 2);
-    sph__query_wave_meet(&q->bounds, q->leaves, &aims[i], ((uint64_t)1 << (1u << q->solid.tree.depth)) - 1, met, begun);
+    sph__query_wave_meet(q->leaf_bounds, &aims[i], ((uint64_t)1 << (1u << q->solid.tree.depth)) - 1, met, begun);
     for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
         is_met[slot][i] = has_bit(q, met, slot);
         is_begun[slot][i] = has_bit(q, begun, slot);
