@@ -65,7 +65,7 @@ static void call(wave *w, uint32_t place)
     const sph_query *q = w->packet->query;
     sph__query_called *called = &w->called[w->turn];
     called->place = place;
-    called->slot = q->leaves[w->leaf + place / SPH__QUERY_LANES] + place % SPH__QUERY_LANES;
+    called->slot = q->twigs[2 * (w->leaf + place / SPH__QUERY_LANES)] + place % SPH__QUERY_LANES;
     called->count = w->waiting[place];
     if (w->begins)
         sph__query_wave_begin(&q->parts[called->slot], w->lines, w->queue[place], called);
@@ -190,10 +190,9 @@ static void look_around(wave *w)
 /* Takes up what is near of the next sweeps; returns how many it has had, with room for as many as there are, all. */
 static uint32_t take_sweeps(wave *w, uint32_t first, uint32_t count)
 {
-    const sph__box_tree *tree = &w->packet->query->solid.tree;
+    const sph_query *q = w->packet->query;
     const sph__query_sieved *sieved = &w->sieved;
-    sph__query_sieve(&w->sieved, &w->room, w->packet->sweeps, first, count, tree->nodes + (1u << tree->depth),
-                     1u << tree->depth);
+    sph__query_sieve(&w->sieved, &w->room, w->packet->sweeps, first, count, q->twig_boxes, q->leaf_count);
     for (uint32_t i = 0; i < sieved->count; i += AIM) {
         if (w->packet->count + AIM > SPH__QUERY_WAVE) return sieved->which[i] - first;
         take_up(w, i, sieved->count - i < AIM ? sieved->count - i : AIM);
@@ -203,7 +202,7 @@ static uint32_t take_sweeps(wave *w, uint32_t first, uint32_t count)
 
 uint32_t sph__query_packet_many(packet *p, size_t count)
 {
-    const uint32_t leaves = 1u << p->query->solid.tree.depth;
+    const uint32_t leaves = p->query->leaf_count;
     const uint32_t most = count < SPH__QUERY_SWEEPS ? (uint32_t)count : SPH__QUERY_SWEEPS;
     uint32_t had = 0, here, taken;
     wave w;

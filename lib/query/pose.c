@@ -75,23 +75,12 @@ static void set_primitive(sph_query *q, uint32_t slot)
     sph__query_parts_set(&q->parts[slot], &s->primitives[slot], q->shared[slot]);
 }
 
-/* Once more, leaf by leaf. */
-static void set_leaves(sph_query *q)
-{
-    for (uint32_t leaf = 0; q->leaf_bounds != NULL && leaf < 1u << q->solid.tree.depth; ++leaf) {
-        const uint32_t begin = q->leaves[leaf], count = q->leaves[leaf + 1] - begin;
-        for (size_t row = 0; row < SPH__QUERY_ROWS; ++row)
-            memcpy(q->leaf_bounds[leaf].rows[row], q->bounds.rows + row * q->bounds.stride + begin,
-                   count * sizeof(float));
-    }
-}
-
 void sph__query_repose(sph_query *q)
 {
     set_frame(q);
     for (uint32_t i = 0; i < q->primitive_count; ++i)
         set_primitive(q, i);
-    set_leaves(q);
+    if (q->leaf_bounds != NULL) sph__query_leaves_pose(q);
     if (q->solid.tree.item_count > 0) sph__box_tree_refit(&q->solid.tree, q->solid.boxes);
     ++q->pose;
 }

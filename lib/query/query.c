@@ -151,8 +151,8 @@ static uint32_t widest_frame(const sph_query *q)
     return best;
 }
 
-/* Puts the primitives into the order of the tree's leaves. */
-static sph_status sort_by_leaves(sph_query *q)
+/* Puts the primitives into the order of leaves. */
+static sph_status put_in_order(sph_query *q, const uint32_t *order)
 {
     sph__solid *s = &q->solid;
     uint32_t(*corners)[3] = sph__alloc(q->context, q->primitive_count, sizeof *corners);
@@ -160,12 +160,11 @@ static sph_status sort_by_leaves(sph_query *q)
     int32_t *counts = sph__alloc(q->context, q->primitive_count, sizeof *counts);
     const bool done = corners != NULL && simplices != NULL && counts != NULL;
     for (uint32_t i = 0; done && i < q->primitive_count; ++i) {
-        const uint32_t p = s->tree.order[i];
+        const uint32_t p = order[i];
         memcpy(corners[i], s->corners[p], sizeof *corners);
         simplices[i] = q->simplices[p];
         counts[i] = s->corner_counts[p];
         q->numbers[i] = p;
-        s->tree.order[i] = i;
     }
     if (done) {
         memcpy(s->corners, corners, q->primitive_count * sizeof *corners);
@@ -178,37 +177,31 @@ static sph_status sort_by_leaves(sph_query *q)
     return done ? SPH_OK : sph__fail_memory(q->context);
 }
 
-/* Of a tree that halves its range at each node. */
-static bool find_leaves(sph_query *q)
-{
-    const uint32_t depth = q->solid.tree.depth, count = 1u << depth;
-    q->leaf_bounds = sph__zalloc(q->context, count, sizeof *q->leaf_bounds);
-    if (q->leaf_bounds == NULL) return false;
-    for (uint32_t leaf = 0; leaf < count; ++leaf) {
-        sph__box_visit v = {1, 0, q->primitive_count, 0};
-        for (uint32_t bit = count >> 1; bit != 0; bit >>= 1) {
-            const uint32_t half = sph__box_visit_middle(&v);
-            if (leaf & bit)
-                v.begin = half;
-            else
-                v.end = half;
-        }
-        q->leaves[leaf] = (uint16_t)v.begin;
-        q->leaves[leaf + 1] = (uint16_t)v.end;
-        q->leaf_bounds[leaf].all = (1u << (v.end - v.begin)) - 1;
-    }
-    return true;
-}
-
-/* Also where all is searched: neighbours are neighbours in memory then. */
 static sph_status build_tree(sph_query *q)
 {
-    if (sph__box_tree_reserve(&q->solid.tree, q->context, q->primitive_count, SPH__QUERY_LEAF) != SPH_OK)
+    sph__box_tree *tree = &q->solid.tree;
+    sph_status status;
+    if (sph__box_tree_reserve(tree, q->context, q->primitive_count, SPH__QUERY_LEAF) != SPH_OK)
         return sph__fail_memory(q->context);
     sph_query_pose_frame(q, widest_frame(q));
-    sph__box_tree_build(&q->solid.tree, q->solid.boxes, q->primitive_count, SPH__QUERY_LEAF);
-    if (q->primitive_count <= SPH__QUERY_MANY && !find_leaves(q)) return sph__fail_memory(q->context);
-    return sort_by_leaves(q);
+    sph__box_tree_build(tree, q->solid.boxes, q->primitive_count, SPH__QUERY_LEAF);
+    status = put_in_order(q, tree->order);
+    for (uint32_t i = 0; i < q->primitive_count; ++i)
+        tree->order[i] = i;
+    return status;
+}
+
+/* Where all is searched, for many casts at a time. */
+static sph_status build_leaves(sph_query *q)
+{
+    uint32_t *order = sph__alloc(q->context, q->primitive_count, sizeof *order);
+    sph_status status = order != NULL ? SPH_OK : sph__fail_memory(q->context);
+    for (uint32_t i = 0; order != NULL && i < q->primitive_count; ++i)
+        order[i] = i;
+    if (status == SPH_OK) status = sph__query_leaves_build(q, order);
+    if (status == SPH_OK) status = put_in_order(q, order);
+    sph__free(q->context, order);
+    return status;
 }
 
 /* --- parts that primitives share --- */
@@ -306,7 +299,9 @@ static sph_status fill(sph_query *q, const sph_level *level, const sph_query_opt
         q->numbers[i] = i;
     q->is_exhaustive = options->search == SPH_SEARCH_EXHAUSTIVE ||
                        (options->search == SPH_SEARCH_AUTO && q->primitive_count < SPH__QUERY_TREE_FROM);
-    if ((status = build_tree(q)) != SPH_OK) return status;
+    if (!q->is_exhaustive && (status = build_tree(q)) != SPH_OK) return status;
+    if (q->is_exhaustive && q->primitive_count <= SPH__QUERY_MANY && (status = build_leaves(q)) != SPH_OK)
+        return status;
     if ((status = mark_shared(q)) != SPH_OK) return status;
     return sph_query_pose_frame(q, 0);
 }

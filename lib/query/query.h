@@ -52,7 +52,11 @@ struct sph_query {
     sph__solid solid;     /* centers, radii: of the model */
     sph__query_simplex *simplices;
     uint32_t *numbers; /* of a slot: the primitive's place in the order of the simplices, by which ties go */
-    uint16_t leaves[SPH__QUERY_MANY_LEAVES + 1]; /* where they begin; of no more than SPH__QUERY_MANY primitives */
+    /* of no more than SPH__QUERY_MANY primitives that are searched whole: leaves, each of two twigs, which begin there
+     */
+    uint32_t leaf_count;
+    uint16_t twigs[2 * SPH__QUERY_MANY_LEAVES + 1];
+    sph__box twig_boxes[2 * SPH__QUERY_MANY_LEAVES];
     sph__query_leaf *leaf_bounds;
     uint8_t *shared; /* of a slot: which parts a primitive with a lower number has too (parts.h) */
     sph__query_bounds bounds;
@@ -74,6 +78,10 @@ static inline void sph__query_to_frame(const sph_query *q, const double x[3], do
 void sph__query_contact(const sph_query *q, uint32_t slot, const sph__contact *c, sph_contact *out);
 /* None. */
 void sph__query_no_contact(sph_contact *out);
+
+/* Finds leaves, and the order of the primitives by them: 0 to primitive_count - 1 on entry. */
+sph_status sph__query_leaves_build(sph_query *q, uint32_t *order);
+void sph__query_leaves_pose(sph_query *q);
 
 /* solid.centers and solid.radii have been set: all else that depends on the pose. */
 void sph__query_repose(sph_query *q);

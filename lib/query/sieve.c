@@ -89,24 +89,24 @@ static const sph_sweep *fill_up(sph_sweep rows[LANES], const sph_sweep *sweeps, 
 }
 
 /* The leaves that 16 segments may meet. */
-SPH__CLONES static void sieve_clones(const frame *f, const sph_sweep *sweeps, const sph__box *boxes, uint32_t box_count,
-                                     uint32_t *restrict leaves)
+SPH__CLONES static void sieve_clones(const frame *f, const sph_sweep *sweeps, const sph__box *boxes,
+                                     uint32_t leaf_count, uint32_t *restrict leaves)
 {
-    const uint32_t all = (uint32_t)(((uint64_t)1 << box_count) - 1);
+    const uint32_t all = (uint32_t)(((uint64_t)1 << leaf_count) - 1);
     lanes s;
     SPH__QUERY_TRANSPOSE_16(ROW, NEXT_ROW, s.ends);
     for (int i = 0; i < LANES; ++i)
         aim_lane(&s, f, i);
     for (int i = 0; i < LANES; ++i)
         s.leaves[i] = s.is_far[i] & (int32_t)all;
-    for (uint32_t box = 0; box < box_count; ++box)
-        meet_box(&s, &boxes[box], (int32_t)(1u << box));
+    for (uint32_t box = 0; box < 2 * leaf_count; ++box)
+        meet_box(&s, &boxes[box], (int32_t)(1u << box / 2));
     for (int i = 0; i < LANES; ++i)
         leaves[i] = (uint32_t)s.leaves[i];
 }
 
 void sph__query_sieve(sph__query_sieved *sieved, const sph__query_room *room, const sph_sweep *sweeps, uint32_t first,
-                      uint32_t count, const sph__box *boxes, uint32_t box_count)
+                      uint32_t count, const sph__box *boxes, uint32_t leaf_count)
 {
     uint32_t __attribute__((aligned(64))) leaves[LANES];
     sph_sweep last[LANES];
@@ -117,7 +117,7 @@ void sph__query_sieve(sph__query_sieved *sieved, const sph__query_room *room, co
         const uint32_t here = count - begin < LANES ? count - begin : LANES;
         const sph_sweep *rows = sweeps + first + begin;
         if (here < LANES) rows = fill_up(last, rows, here);
-        sieve_clones(&f, rows, boxes, box_count, leaves);
+        sieve_clones(&f, rows, boxes, leaf_count, leaves);
         for (uint32_t i = 0; i < here; ++i) { /* what is not left is overwritten */
             sieved->which[kept] = (uint16_t)(first + begin + i);
             sieved->leaves[kept] = leaves[i];

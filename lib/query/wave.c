@@ -13,7 +13,8 @@ enum { SIDE = SPH__QUERY_SIDE, LANES = SPH__QUERY_LANES };
 
 /* --- boxes --- */
 
-/* Those of a leaf that the segment in a lane meets, and those of them in which it begins, as bits: by boxes and slabs. */
+/* Those of a leaf that the segment in a lane meets, and those of them in which it begins, as bits: by boxes and slabs.
+ */
 SPH__INLINE void meet(const sph__query_leaf *leaf, const sph__query_aim *aim, uint32_t lane, uint32_t *met,
                       uint32_t *begun)
 {

@@ -182,16 +182,16 @@ static void make_rays(const sph_query *q)
 static bool has_bit(const sph_query *q, const uint64_t *masks, uint32_t slot)
 {
     uint32_t leaf = 0;
-    while (q->leaves[leaf + 1] <= slot)
+    while (q->twigs[2 * leaf + 2] <= slot)
         ++leaf;
-    return masks[0] >> (SPH__QUERY_LANES * leaf + slot - q->leaves[leaf]) & 1;
+    return masks[0] >> (SPH__QUERY_LANES * leaf + slot - q->twigs[2 * leaf]) & 1;
 }
 
 static void ask_bounds(const sph_query *q, uint32_t i)
 {
     uint64_t met[SPH__QUERY_AIM], begun[SPH__QUERY_AIM];
-    ck_assert_uint_le(q->solid.tree.depth, 2);
-    sph__query_wave_meet(q->leaf_bounds, &aims[i], ((uint64_t)1 << (1u << q->solid.tree.depth)) - 1, met, begun);
+    ck_assert_uint_le(q->leaf_count, SPH__QUERY_LEAVES);
+    sph__query_wave_meet(q->leaf_bounds, &aims[i], ((uint64_t)1 << q->leaf_count) - 1, met, begun);
     for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
         is_met[slot][i] = has_bit(q, met, slot);
         is_begun[slot][i] = has_bit(q, begun, slot);

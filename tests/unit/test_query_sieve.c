@@ -94,8 +94,8 @@ static bool touches(const sph_query *q, const sph__primitive *p, const sph_sweep
 static uint32_t touched_leaves(const sph_query *q, const sph_sweep *w)
 {
     uint32_t bits = 0;
-    for (uint32_t leaf = 0; leaf < 1u << q->solid.tree.depth; ++leaf)
-        for (uint32_t slot = q->leaves[leaf]; slot < q->leaves[leaf + 1]; ++slot)
+    for (uint32_t leaf = 0; leaf < q->leaf_count; ++leaf)
+        for (uint32_t slot = q->twigs[2 * leaf]; slot < q->twigs[2 * leaf + 2]; ++slot)
             if (touches(q, &q->solid.primitives[slot], w)) bits |= 1u << leaf;
     return bits;
 }
@@ -106,7 +106,6 @@ START_TEST(what_touches_a_leaf_is_never_sieved_out)
     for (int turn = 0; turn < TURNS; ++turn) {
         const uint32_t first = turn % 2 ? 0 : 5, count = turn % 3 ? SWEEPS - 5 : 1 + (uint32_t)turn;
         sph_query *q = random_query(PLACES[_i].scale, PLACES[_i].far);
-        const uint32_t leaves = 1u << q->solid.tree.depth;
         sph__query_room room = {.scale = q->scale};
         sph__query_sieved sieved;
         uint32_t next = 0;
@@ -114,7 +113,7 @@ START_TEST(what_touches_a_leaf_is_never_sieved_out)
         memcpy(room.half, q->half, sizeof room.half);
         for (uint32_t i = 0; i < SWEEPS; ++i)
             random_sweep(q, &sweeps[i]);
-        sph__query_sieve(&sieved, &room, sweeps, first, count, q->solid.tree.nodes + leaves, leaves);
+        sph__query_sieve(&sieved, &room, sweeps, first, count, q->twig_boxes, q->leaf_count);
         for (uint32_t i = first; i < first + count; ++i) {
             const uint32_t bits = touched_leaves(q, &sweeps[i]);
             uint32_t found = 0;
