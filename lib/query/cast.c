@@ -65,7 +65,7 @@ static bool begin(single *s, packet *p, uint32_t number)
     }
     is_near = sph__query_aim_one(&s->aim, &room, from, to, radius);
     sph__query_cast_begin(&p->casts[number], &s->aim, 0);
-    p->first[number] = UINT64_MAX;
+    p->first[number] = SPH__QUERY_PAIRS;
     if (is_near) set_ray(&s->aim, &s->ray);
     return is_near;
 }
@@ -187,7 +187,7 @@ static uint32_t cast_sweeps(packet *p, const sph_query *q, const sph_sweep *swee
     p->query = q;
     p->sweeps = sweeps;
     p->any = any;
-    p->pair_count = 0;
+    sph__query_packet_begin(p);
     if (q->is_exhaustive && count >= MANY_FROM && q->primitive_count <= SPH__QUERY_MANY)
         return sph__query_packet_many(p, count);
     p->count = count < SPH__QUERY_WAVE ? (uint32_t)count : SPH__QUERY_WAVE;
@@ -254,7 +254,7 @@ bool sph__query_cast_frame(const sph_query *q, const double from[3], const doubl
     p.from = from;
     p.to = to;
     p.any = false;
-    p.pair_count = 0;
+    sph__query_packet_begin(&p);
     p.count = 1;
     search_one(&p, 0);
     *t = c->slot == NONE ? 1 : fmin(1, c->cut.before + (c->value > 0 ? c->value : 0) * c->cut.span);

@@ -16,7 +16,7 @@ void sph__query_cast_begin(sph__query_cast *c, const sph__query_aim *aim, uint32
     c->cut.before = aim->start[lane];
     c->cut.span = aim->span[lane];
     c->value = 2;
-    c->slot = c->number = UINT32_MAX;
+    c->slot = UINT32_MAX;
 }
 
 sph__query_room sph__query_packet_room(const packet *p)
@@ -141,8 +141,8 @@ __attribute__((noinline)) static void take_up(wave *w, uint32_t first, uint32_t 
         w->lines[number] = t.aim.lines[lane];
         w->met[number] = t.met[lane];
         w->begun[number] = t.begun[lane];
-        p->first[number] = UINT64_MAX;
-        p->leaves[number] = w->sieved.leaves[first + lane];
+        p->first[number] = SPH__QUERY_PAIRS;
+        p->casts[number].leaves = w->sieved.leaves[first + lane];
         p->sweep[number] = t.which[lane];
         p->count += w->is_all ? t.met[lane] != 0 : t.aim.span[lane] >= 0;
     }
@@ -153,10 +153,14 @@ __attribute__((noinline)) static void take_again(wave *w, uint32_t first)
 {
     packet *p = w->packet;
     const uint32_t here = p->count - first < AIM ? p->count - first : AIM;
+    uint32_t leaves[AIM];
     together t;
-    for (uint32_t lane = 0; lane < AIM; ++lane)
-        t.which[lane] = p->sweep[first + (lane < here ? lane : here - 1)];
-    meet(w, &t, p->leaves + first, here);
+    for (uint32_t lane = 0; lane < AIM; ++lane) {
+        const uint32_t number = first + (lane < here ? lane : here - 1);
+        t.which[lane] = p->sweep[number];
+        leaves[lane] = p->casts[number].leaves;
+    }
+    meet(w, &t, leaves, here);
     memcpy(w->met + first, t.met, here * sizeof *w->met);
     memcpy(w->begun + first, t.begun, here * sizeof *w->begun);
 }

@@ -3,6 +3,8 @@
 #ifndef SPH_QUERY_PACKET_H
 #define SPH_QUERY_PACKET_H
 
+#include <float.h>
+
 #include "query/query.h"
 #include "query/step.h"
 
@@ -17,34 +19,40 @@ typedef struct sph__query_cast {
     /* the best so far: t where it touches; at 0 or below minus the depth in which it begins. Least is best, and of
      * equal ones that with the lowest number */
     double value;
-    uint32_t slot, number; /* UINT32_MAX: none */
+    uint32_t slot;   /* UINT32_MAX: none */
+    uint32_t leaves; /* that it may meet, as bits */
 } sph__query_cast;
 
 /* Casts, and what has been listed of primitives that they may touch. */
 typedef struct sph__query_packet {
     const sph_query *query;
-    const sph_sweep *sweeps;          /* NULL: */
-    const double *from, *to;          /* a ray in the frame */
-    bool any;                         /* any hit will do */
-    uint32_t count, pair_count;       /* of the casts, and of the pairs */
-    uint16_t sweep[SPH__QUERY_WAVE];  /* that a cast is of */
-    uint32_t leaves[SPH__QUERY_WAVE]; /* that it may meet, as bits */
+    const sph_sweep *sweeps;         /* NULL: */
+    const double *from, *to;         /* a ray in the frame */
+    bool any;                        /* any hit will do */
+    uint32_t count, pair_count;      /* of the casts, and of the pairs */
+    uint16_t sweep[SPH__QUERY_WAVE]; /* that a cast is of */
     sph__query_cast casts[SPH__QUERY_WAVE];
-    uint64_t first[SPH__QUERY_WAVE]; /* the least key of its pairs, and the pair, as one number; UINT64_MAX: none */
-    double key[SPH__QUERY_PAIRS + 1];
+    uint16_t first[SPH__QUERY_WAVE];  /* which of its pairs has the least key; SPH__QUERY_PAIRS: it has none */
+    double key[SPH__QUERY_PAIRS + 1]; /* the last one is above all */
     uint32_t slot[SPH__QUERY_PAIRS + 1];
     uint8_t owner[SPH__QUERY_PAIRS + 1]; /* the cast */
 } sph__query_packet;
 
+static inline void sph__query_packet_begin(sph__query_packet *p)
+{
+    p->pair_count = 0;
+    p->key[SPH__QUERY_PAIRS] = DBL_MAX;
+}
+
 /* Lists it where `counts` is 1. Without branches: what comes is anybody's guess. */
 static inline void sph__query_packet_list(sph__query_packet *p, uint32_t cast, float key, uint32_t slot, int counts)
 {
-    const uint32_t pair = p->pair_count;
-    const uint64_t none = (uint64_t)sph__query_opaque(counts) - 1, mine = sph__query_rank(key) << 32 | pair | none;
+    const uint32_t pair = p->pair_count, first = p->first[cast];
+    const int is_first = counts & (key < p->key[first]);
     p->key[pair] = key;
     p->slot[pair] = slot;
     p->owner[pair] = (uint8_t)cast;
-    p->first[cast] = mine < p->first[cast] ? mine : p->first[cast];
+    p->first[cast] = (uint16_t)sph__query_pick_number(is_first, pair, first);
     p->pair_count = pair + (uint32_t)counts;
 }
 

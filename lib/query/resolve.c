@@ -65,11 +65,11 @@ static inline void improve(const sph_query *q, cast *c, const sph__query_table *
 {
     const int is_within = (t->t[i] <= 0) & (t->distance[i] < 0) & (c->cut.before <= 0);
     const double value = sph__query_pick(is_within, t->distance[i], t->t[i]);
-    const uint32_t slot = t->slot[i], number = q->numbers[slot];
-    const int is_better = (t->touches[i] != 0) & ((value < c->value) | ((value == c->value) & (number < c->number)));
+    const uint32_t slot = t->slot[i], best = sph__query_pick_number(c->slot != UINT32_MAX, c->slot, slot);
+    const int is_less = (value == c->value) & (q->numbers[slot] < q->numbers[best]);
+    const int is_better = (t->touches[i] != 0) & ((value < c->value) | is_less);
     c->value = sph__query_pick(is_better, value, c->value);
     c->slot = sph__query_pick_number(is_better, slot, c->slot);
-    c->number = sph__query_pick_number(is_better, number, c->number);
 }
 
 static inline int is_open(const packet *p, const cast *c)
@@ -128,7 +128,7 @@ static uint32_t choose(const packet *p, int are_first, uint16_t *pairs)
     for (uint32_t i = 0; i < p->pair_count; ++i) {
         const uint32_t owner = p->owner[i];
         const cast *c = &p->casts[owner];
-        const int is_first = sph__query_opaque((uint32_t)p->first[owner] == i);
+        const int is_first = sph__query_opaque(p->first[owner] == i);
         const int matters = sph__query_opaque((p->key[i] <= c->value) & is_open(p, c));
         pairs[count] = (uint16_t)i;
         count += (uint32_t)((is_first == are_first) & matters);
@@ -143,6 +143,6 @@ void sph__query_packet_resolve(packet *p)
     climb(p, pairs, choose(p, 1, pairs));
     climb(p, pairs, choose(p, 0, pairs));
     for (uint32_t i = 0; i < p->pair_count; ++i)
-        p->first[p->owner[i]] = UINT64_MAX;
+        p->first[p->owner[i]] = SPH__QUERY_PAIRS;
     p->pair_count = 0;
 }

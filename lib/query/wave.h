@@ -9,7 +9,7 @@
 #include "query/parts.h"
 
 enum {
-    SPH__QUERY_WAVE = 200, /* segments at a time: numbers fit into a byte */
+    SPH__QUERY_WAVE = 224, /* segments at a time: numbers fit into a byte */
     SPH__QUERY_SIDE = 16,  /* segments side by side */
     SPH__QUERY_LEAVES = 4, /* leaves of primitives at a time, each of up to SPH__QUERY_LANES: */
     SPH__QUERY_SLOTS = 64  /* places of primitives */
