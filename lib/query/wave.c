@@ -204,20 +204,17 @@ SPH__INLINE void add_prism(findings *f, const sph__query_parts *p, const lines *
 }
 
 /* Which of the keys are not above the limit, as bits. */
-SPH__INLINE uint32_t those_up_to(const float *keys, float limit, uint32_t count)
+SPH__INLINE uint32_t those_up_to(const float *keys, float limit, int count)
 {
-    int32_t __attribute__((aligned(64))) words[SIDE];
-    uint8_t __attribute__((aligned(16))) bytes[SIDE];
-    for (int i = 0; i < SIDE; ++i)
-        words[i] = keys[i] <= limit;
-    for (int i = 0; i < SIDE; ++i)
-        bytes[i] = (uint8_t)words[i];
-    return sph__query_pack(bytes, 0) & ((1u << count) - 1);
+    int32_t bits = 0;
+    for (int i = 0; i < count; ++i)
+        bits |= keys[i] <= limit ? 1 << i : 0;
+    return (uint32_t)bits;
 }
 
 /* What is shared with a primitive of a lower number is left out; `edges` begin at the first corners. */
-SPH__INLINE void touch(const sph__query_parts *p, const lines *s, int corners, int edges, int count,
-                       float *restrict keys)
+SPH__INLINE uint32_t touch(const sph__query_parts *p, const lines *s, int corners, int edges, int count,
+                           float *restrict keys)
 {
     findings f;
     for (int i = 0; i < count; ++i) {
@@ -232,22 +229,24 @@ SPH__INLINE void touch(const sph__query_parts *p, const lines *s, int corners, i
     if (corners == 3) add_prism(&f, p, s, count);
     for (int i = 0; i < count; ++i)
         keys[i] = sph__query_key((sph__query_span){f.enter[i], f.leave[i]}, s->per_length[i]);
+    return those_up_to(keys, 1, count);
 }
 
 SPH__CLONES static void wave_touch_clones(const sph__query_parts *parts, const sph__query_line *all,
                                           const uint8_t *which, sph__query_called *called)
 {
     lines side;
+    uint32_t listed;
     gather(&side, all, which);
     if (parts->corner_count == 3 && called->count > SIDE / 2)
-        touch(parts, &side, 3, 3, SIDE, called->keys);
+        listed = touch(parts, &side, 3, 3, SIDE, called->keys);
     else if (parts->corner_count == 3)
-        touch(parts, &side, 3, 3, SIDE / 2, called->keys);
+        listed = touch(parts, &side, 3, 3, SIDE / 2, called->keys);
     else if (parts->corner_count == 2)
-        touch(parts, &side, 2, 1, SIDE, called->keys);
+        listed = touch(parts, &side, 2, 1, SIDE, called->keys);
     else
-        touch(parts, &side, 1, 0, SIDE, called->keys);
-    called->listed = those_up_to(called->keys, 1, called->count);
+        listed = touch(parts, &side, 1, 0, SIDE, called->keys);
+    called->listed = listed & ((1u << called->count) - 1);
 }
 
 void sph__query_wave_touch(const sph__query_parts *parts, const sph__query_line *all, const uint8_t *which,
@@ -287,24 +286,26 @@ SPH__INLINE float distance_of(const sph__query_parts *p, int is_triangle, const 
                : edges;
 }
 
-SPH__INLINE void begin(const sph__query_parts *p, int is_triangle, const lines *s, int count, float *restrict keys)
+SPH__INLINE uint32_t begin(const sph__query_parts *p, int is_triangle, const lines *s, int count, float *restrict keys)
 {
     for (int i = 0; i < count; ++i)
         keys[i] = sph__query_depth_key(distance_of(p, is_triangle, s, i), p->loose, s->reach[i]);
+    return those_up_to(keys, 0, count);
 }
 
 SPH__CLONES static void wave_begin_clones(const sph__query_parts *parts, const sph__query_line *all,
                                           const uint8_t *which, sph__query_called *called)
 {
     lines side;
+    uint32_t listed;
     gather(&side, all, which);
     if (parts->corner_count == 3 && called->count > SIDE / 2)
-        begin(parts, 1, &side, SIDE, called->keys);
+        listed = begin(parts, 1, &side, SIDE, called->keys);
     else if (parts->corner_count == 3)
-        begin(parts, 1, &side, SIDE / 2, called->keys);
+        listed = begin(parts, 1, &side, SIDE / 2, called->keys);
     else
-        begin(parts, 0, &side, SIDE, called->keys);
-    called->listed = those_up_to(called->keys, 0, called->count);
+        listed = begin(parts, 0, &side, SIDE, called->keys);
+    called->listed = listed & ((1u << called->count) - 1);
 }
 
 void sph__query_wave_begin(const sph__query_parts *parts, const sph__query_line *all, const uint8_t *which,
