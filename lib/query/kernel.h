@@ -26,7 +26,7 @@ typedef struct sph__query_bounds {
     float *normal[3], *slab_low, *slab_high; /* rows 6 to 10: of all slabs (fan.h) that which cuts off most */
 } sph__query_bounds;
 
-/* The same of a leaf of the tree: no vector is on two lines of a cache. */
+/* The same of a leaf: no vector is on two lines of a cache. */
 typedef struct __attribute__((aligned(64))) sph__query_leaf {
     float rows[SPH__QUERY_ROWS][SPH__QUERY_LANES];
     uint32_t all; /* lanes that are primitives, as bits */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Many casts together: which of them may touch which primitives (wave.h). */
+/* Many casts together, stage by stage: which of them may touch which primitives (sieve.h, wave.h). */
 #include <float.h>
 #include <string.h>
 
@@ -37,8 +37,8 @@ typedef struct wave {
     uint32_t turn; /* of those called: who will be called next; the others are to be listed, or have been */
     sph__query_called called[2];
     sph__query_line lines[SPH__QUERY_WAVE];
-    uint64_t met[SPH__QUERY_WAVE],
-        begun[SPH__QUERY_WAVE]; /* primitives whose boxes are, that have not been looked at */
+    /* places of primitives whose bounds are met, or begun in, and that have not been looked at */
+    uint64_t met[SPH__QUERY_WAVE], begun[SPH__QUERY_WAVE];
     uint8_t waiting[SLOTS], queue[SLOTS][SPH__QUERY_SIDE];
     sph__query_sieved sieved;
 } wave;
