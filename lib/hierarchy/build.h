@@ -213,8 +213,8 @@ static inline sph__slot *sph__slot_of(const sph__builder *b, uint32_t node)
 }
 
 /* The cost of an edge with the best bound of the radius that is at hand: exact where the bound does not matter, else a
- * lower bound of the cost. Both ends have blocks. */
-double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candidate);
+ * lower bound of the cost. Both ends have blocks. `next`: a node whose rows are asked for meanwhile, or SPH__NO_NODE. */
+double sph__evaluate(const sph__builder *b, uint32_t edge, uint32_t next, sph__candidate *candidate);
 /* The same of regions (not with radii per frame), u the older. */
 double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const sph__region *v, const sph__slot *su,
                              const sph__slot *sv, sph__candidate *candidate, sph__parabola *parabola);

@@ -13,12 +13,11 @@ SPH__INLINE void subtract(const float *q, const float *p, size_t s, size_t i, sp
 }
 
 /* Eight frames of the sum of angles around v. */
-SPH__INLINE void sum_angles(const sph__builder *b, uint32_t v, size_t i, sph__v8d *angles)
+SPH__INLINE void sum_angles(const sph__builder *b, uint32_t v, size_t i, sph__turn *turn)
 {
     const size_t s = b->stride;
     const float *p = sph__node_center(b, v);
-    sph__turn turn;
-    sph__turn_start(&turn);
+    sph__turn_start(turn);
     for (size_t c = b->cell_starts[v]; c < b->cell_starts[v + 1]; ++c) {
         const uint32_t *others = b->vertex_cells[c];
         sph__v8d e[3] = {{0}}, f[3] = {{0}}, n[3], cosine, sine, size;
@@ -30,17 +29,16 @@ SPH__INLINE void sum_angles(const sph__builder *b, uint32_t v, size_t i, sph__v8
         cosine = SPH__DOT(e, f);
         sine = SPH__DOT(n, n);
         sine = sph__root(sine);
-        sph__turn_by(&cosine, &sine, &turn);
-        sph__bring_near_one(&turn.x, &turn.y, &size);
+        sph__turn_by(&cosine, &sine, turn);
+        sph__bring_near_one(&turn->x, &turn->y, &size);
     }
-    sph__turn_angle(&turn, angles);
 }
 
 SPH__CLONES static double add_cap(const sph__builder *b, uint32_t v, double weight, float *block)
 {
     sph__v8d total = {0};
     for (size_t i = 0; i < b->stride; i += SPH__LANES) {
-        sph__v8d angles;
+        sph__turn angles;
         sum_angles(b, v, i, &angles);
         sph__add_cap_plane(&angles, weight, block + i * b->leaf_rows, &total);
     }

@@ -99,18 +99,19 @@ SPH__INLINE void sph__turn_angle(const sph__turn *turn, sph__v8d *angle)
 }
 
 /* Adds the cap's plane in eight frames, from the sum of angles and the rows of the quadric without it: its part of W. */
-SPH__INLINE void sph__add_cap_plane(const sph__v8d *angles, double weight, float *eight, sph__v8d *total)
+SPH__INLINE void sph__add_cap_plane(const sph__turn *turn, double weight, float *eight, sph__v8d *total)
 {
     const sph__v8d zero = {0};
-    sph__v8d n[3], squared, length, w, x, y, z;
+    sph__v8d n[3], angles, squared, length, w, x, y, z;
+    sph__turn_angle(turn, &angles);
 #define row(number) sph__load(eight, (number) * SPH__LANES)
     for (size_t k = 0; k < 3; ++k) n[k] = row(SPH__N0 + k);
     squared = SPH__DOT(n, n);
     length = sph__root(squared);
     /* no angle at all is no tip but a vertex whose triangles have collapsed */
-    w = weight * (SPH__TWO_PI - *angles);
+    w = weight * (SPH__TWO_PI - angles);
     w = sph__where(w, zero, w, zero);
-    w = sph__where(*angles, zero, w, zero);
+    w = sph__where(angles, zero, w, zero);
     w = sph__where(squared, zero, w, zero);
     *total += w;
     w = sph__where(w, zero, w / squared, zero);

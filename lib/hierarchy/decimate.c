@@ -15,14 +15,16 @@ static sph_status need_ends(sph__builder *b, uint32_t edge)
     return status == SPH_OK ? sph__need_leaf(b, v) : status;
 }
 
-/* The cost of a new node's edge, from the collapse's guess where it has it. */
-static sph_status evaluate_new(sph__builder *b, uint32_t edge, uint32_t node, const sph__guess *guess, double *cost)
+/* The cost of the first of a new node's edges, from the collapse's guess where it has it. */
+static sph_status evaluate_new(sph__builder *b, const uint32_t *edges, uint32_t count, uint32_t node, const sph__guess *guess,
+                               double *cost)
 {
+    const uint32_t edge = edges[0], next = count > 1 ? sph__edge_other(&b->mesh, edges[1], node) : SPH__NO_NODE;
     sph_status status;
     if (guess != NULL && sph__guess_cost(b, guess, edge, sph__edge_other(&b->mesh, edge, node), cost))
         return SPH_OK;
     status = need_ends(b, edge);
-    if (status == SPH_OK) *cost = sph__evaluate(b, edge, &b->candidates[edge]);
+    if (status == SPH_OK) *cost = sph__evaluate(b, edge, next, &b->candidates[edge]);
     return status;
 }
 
@@ -37,7 +39,7 @@ static sph_status push_around(sph__builder *b, uint32_t node, const sph__guess *
         return sph__fail_memory(b->context);
     if (b->single) sph__single_evaluate(b, edges, count, b->costs);
     for (uint32_t i = 0; i < count && status == SPH_OK && !b->single; ++i)
-        status = evaluate_new(b, edges[i], node, guess, &b->costs[i]);
+        status = evaluate_new(b, edges + i, count - i, node, guess, &b->costs[i]);
     for (uint32_t i = 0; i < count && status == SPH_OK; ++i)
         sph__edge_queue_set(&b->queue, &b->mesh, edges[i], b->costs[i]);
     return status;

@@ -93,22 +93,24 @@ double sph__evaluate_regions(const sph__builder *b, const sph__region *u, const 
     return sph__evaluate_sums(b, &sums, u->radius, su, sv, candidate, parabola);
 }
 
-double sph__evaluate(const sph__builder *b, uint32_t edge, sph__candidate *candidate)
+/* Regions and parabolas are made where they stay: to copy what was just written waits for all of it. */
+static double evaluate_pair(const sph__builder *b, uint32_t edge, uint32_t nu, uint32_t nv, uint32_t next,
+                            sph__candidate *candidate)
 {
-    uint32_t nu, nv;
-    sph__region u, v;
-    sph__parabola parabola;
-    double cost;
-    sph__edge_ends(&b->mesh, edge, &nu, &nv);
-    if (b->h->radii_per_frame) {
-        *candidate = (sph__candidate){.width = -1};
-        return sph__per_frame_cost(b, nu, nv, NULL);
-    }
-    u = sph__region_of(b, nu);
-    v = sph__region_of(b, nv);
-    cost = sph__evaluate_regions(b, &u, &v, sph__slot_of(b, nu), sph__slot_of(b, nv), candidate, &parabola);
-    if (b->parabolas != NULL) b->parabolas[edge] = parabola;
-    return cost;
+    const sph__region v = sph__region_of(b, nv), following = sph__region_of(b, next);
+    sph__region u = sph__region_of(b, nu);
+    sph__parabola own, *parabola = b->parabolas != NULL ? &b->parabolas[edge] : &own;
+    u.next = next != nu && following.block != NULL ? &following : NULL;
+    return sph__evaluate_regions(b, &u, &v, sph__slot_of(b, nu), sph__slot_of(b, nv), candidate, parabola);
+}
+
+double sph__evaluate(const sph__builder *b, uint32_t edge, uint32_t next, sph__candidate *candidate)
+{
+    uint32_t u, v;
+    sph__edge_ends(&b->mesh, edge, &u, &v);
+    if (!b->h->radii_per_frame) return evaluate_pair(b, edge, u, v, next == SPH__NO_NODE ? u : next, candidate);
+    *candidate = (sph__candidate){.width = -1};
+    return sph__per_frame_cost(b, u, v, NULL);
 }
 
 /* From its sums, where they are needed: both ends have blocks then. */

@@ -32,13 +32,14 @@ void sph__extents_free(const sph__builder *b, sph__extents *e)
 /* --- the points that a union's extents depend on --- */
 
 /* The place of vertex v among the vertices of the union's points; there is room for it. */
-static uint32_t place_of(sph__extents *e, uint32_t v)
+static uint32_t place_of(const sph__builder *b, sph__extents *e, uint32_t v)
 {
     struct sph__extent_vertex *vertex = &e->places[v];
     if (vertex->place_stamp != e->stamp) {
         vertex->place_stamp = e->stamp;
         vertex->place = (uint32_t)e->vertex_count;
         e->vertices[e->vertex_count++] = v;
+        for (size_t k = 0; k < 3; ++k) __builtin_prefetch(sph__node_center(b, v) + k * b->stride); /* read when all are listed */
     }
     return vertex->place;
 }
@@ -62,15 +63,15 @@ static bool add_cell(const sph__builder *b, sph__extents *e, uint32_t v)
         !sph__reserve(b->context, (void **)&e->points, &e->point_capacity, e->point_count + 3 * cells + 1,
                       sizeof *e->points))
         return false;
-    own = place_of(e, v);
+    own = place_of(b, e, v);
     add_point(e, own, own, SPH__NO_NODE);
     for (size_t i = b->cell_starts[v]; i < b->cell_starts[v + 1]; ++i) {
         const uint32_t x = b->vertex_cells[i][0], y = b->vertex_cells[i][1];
         const bool x_inside = e->places[x].member_stamp == e->stamp, y_inside = e->places[y].member_stamp == e->stamp;
         if (x_inside && y_inside) continue; /* within the hull of the region's vertices */
-        if (!x_inside) add_point(e, own, place_of(e, x), SPH__NO_NODE);
-        if (!y_inside && b->cell_open[v]) add_point(e, own, place_of(e, y), SPH__NO_NODE);
-        if (!(x_inside && x < v) && !(y_inside && y < v)) add_point(e, own, place_of(e, x), place_of(e, y));
+        if (!x_inside) add_point(e, own, place_of(b, e, x), SPH__NO_NODE);
+        if (!y_inside && b->cell_open[v]) add_point(e, own, place_of(b, e, y), SPH__NO_NODE);
+        if (!(x_inside && x < v) && !(y_inside && y < v)) add_point(e, own, place_of(b, e, x), place_of(b, e, y));
     }
     return true;
 }
@@ -78,15 +79,21 @@ static bool add_cell(const sph__builder *b, sph__extents *e, uint32_t v)
 static bool add_region(const sph__builder *b, sph__extents *e, const sph__slot *slot)
 {
     uint32_t v = (uint32_t)(slot - b->slots);
-    for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v])
+    for (uint32_t i = 0, next; i < slot->count; ++i, v = next) {
+        next = b->next_member[v];
+        if (i + 1 < slot->count) __builtin_prefetch(b->vertex_cells[b->cell_starts[next]]);
         if (!add_cell(b, e, v)) return false;
+    }
     return true;
 }
 
 static void mark_members(const sph__builder *b, sph__extents *e, const sph__slot *slot)
 {
     uint32_t v = (uint32_t)(slot - b->slots);
-    for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v]) e->places[v].member_stamp = e->stamp;
+    for (uint32_t i = 0; i < slot->count; ++i, v = b->next_member[v]) {
+        __builtin_prefetch(&b->cell_starts[v]);
+        e->places[v].member_stamp = e->stamp;
+    }
 }
 
 /* A stride coprime to the count, so that points far apart come first and a direction's extent shows soon. */

@@ -136,7 +136,10 @@ static void evaluate_others(const sph__builder *b, sph__guess *guess, const sph_
                            .b = slot->b,
                            .c = slot->c};
     for (size_t i = 0; i < guess->other_count; ++i) {
-        const sph__region x = sph__region_of(b, guess->others[i]); /* older, so it is the first of the two */
+        const bool last = i + 1 == guess->other_count;
+        const sph__region next = sph__region_of(b, guess->others[last ? i : i + 1]);
+        sph__region x = sph__region_of(b, guess->others[i]); /* older, so it is the first of the two */
+        x.next = last ? NULL : &next;
         guess->costs[i] = sph__evaluate_regions(b, &x, &w, sph__slot_of(b, guess->others[i]), slot, &guess->candidates[i],
                                                 &guess->parabolas[i]);
     }

@@ -15,6 +15,15 @@ SPH__INLINE void ask_ahead(const sph__region *region, size_t s, size_t i)
     for (size_t line = 0; line < rows * SPH__LANES * sizeof(float); line += 64) __builtin_prefetch(begin + line);
 }
 
+/* Asks for as many frames of what is read next as are read now. */
+SPH__INLINE void ask_meanwhile(const sph__region *next, size_t s, size_t i)
+{
+    const size_t rows = next->leaf ? SPH__LEAF_ROWS : SPH__BLOCK_ROWS;
+    const char *begin = (const char *)(next->block + i * rows);
+    for (size_t line = 0; line < rows * SPH__LANES * sizeof(float); line += 64) __builtin_prefetch(begin + line, 0, 2);
+    for (size_t k = 0; k < 3; ++k) __builtin_prefetch(next->center + k * s + i, 0, 2);
+}
+
 /* What sums over frames are made of, lane by lane. */
 enum { SUM_B, SUM_C, SUM_NN, SUM_NB, SUM_BB, SUM_MU, SUM_NU, SUM_B1, SUM_SCALE, SUM_COUNT, SUMS };
 
@@ -66,6 +75,7 @@ SPH__CLONES static void sums_clones(const sph__region *u, const sph__region *v, 
     for (size_t i = 0; i < s; i += SPH__LANES) {
         ask_ahead(u, s, i);
         ask_ahead(v, s, i);
+        if (u->next != NULL) ask_meanwhile(u->next, s, i);
         add_sums(u, v, s, i, &offset, coherence, sums);
     }
     for (size_t k = 0; k < SUMS; ++k) out[k] = sph__sum(sums[k]);

@@ -34,6 +34,7 @@ typedef struct sph__region {
     const float *mean;     /* x, y, z and area rows of temporal coherence; NULL without it */
     double radius;         /* of the sphere; its offset in r */
     double w, b, c;        /* scalars of the quadric relative to the sphere */
+    const struct sph__region *next; /* NULL, or what is read after this one: it is asked for meanwhile */
     int leaf;              /* 1: the b rows are zero and not there: the block has SPH__LEAF_ROWS rows */
 } sph__region;
 

@@ -64,6 +64,18 @@ SPH__INLINE void add_plane(const fan *f, size_t t, size_t s, size_t i, leaf_sums
     sums->edge[2] = fz;
 }
 
+/* Adds the planes of a fan in eight frames, and their W; what their angles add up to. */
+SPH__INLINE void add_planes(const fan *f, size_t s, size_t i, bool first, float *eight, sph__v8d *w, sph__turn *angles)
+{
+    leaf_sums sums = {.w = *w};
+    sph__turn_start(&sums.angles);
+    for (size_t k = 0; k < SPH__LEAF_ROWS && !first; ++k) sums.rows[k] = sph__load(eight, k * SPH__LANES);
+    for (size_t t = 0; t < f->count; ++t) add_plane(f, t, s, i, &sums);
+    for (size_t k = 0; k < SPH__LEAF_ROWS; ++k) sph__store(eight, k * SPH__LANES, sums.rows[k]);
+    *w = sums.w;
+    *angles = sums.angles;
+}
+
 /* Asks for a line of all rows of a fan. */
 SPH__INLINE void ask_for_rows(const fan *f, size_t s, size_t i)
 {
@@ -73,30 +85,29 @@ SPH__INLINE void ask_for_rows(const fan *f, size_t s, size_t i)
             __builtin_prefetch(f->corners[t][k / 3] + k % 3 * s + i);
 }
 
+/* Frames whose caps are added together: each takes long to come by, and none waits for another. */
+enum { TOGETHER = 16 };
+
 /* Adds the planes of a fan, and at the end its cap, to the leaf rows of a block of `rows` rows; the sum over frames of their
  * W into `w`, lane by lane. */
 SPH__CLONES static void add_fan(const fan *f, size_t s, size_t rows, bool first, float *block, double w[SPH__LANES])
 {
-    sph__v8d total = {0};
+    const size_t leaf = SPH__LEAF_ROWS * SPH__LANES, rest = (rows - SPH__LEAF_ROWS) * SPH__LANES * sizeof *block;
+    sph__v8d planes = {0}, caps = {0};
+    sph__turn turns[TOGETHER];
     for (size_t i = 0; i < s && i < AHEAD; i += LINE) ask_for_rows(f, s, i);
-    for (size_t i = 0; i < s; i += SPH__LANES) {
-        float *to = block + i * rows;
-        if (i % LINE == 0 && i + AHEAD < s) ask_for_rows(f, s, i + AHEAD);
-        leaf_sums sums = {.w = total};
-        sph__turn_start(&sums.angles);
-        for (size_t k = 0; k < SPH__LEAF_ROWS && !first; ++k) sums.rows[k] = sph__load(to, k * SPH__LANES);
-        for (size_t t = 0; t < f->count; ++t) add_plane(f, t, s, i, &sums);
-        for (size_t k = 0; k < SPH__LEAF_ROWS; ++k) sph__store(to, k * SPH__LANES, sums.rows[k]);
-        total = sums.w;
-        if (f->cap_weight > 0) {
-            sph__v8d angles;
-            sph__turn_angle(&sums.angles, &angles);
-            sph__add_cap_plane(&angles, f->cap_weight, to, &total);
+    for (size_t begin = 0, end; begin < s; begin = end) {
+        end = s - begin < TOGETHER * SPH__LANES ? s : begin + TOGETHER * SPH__LANES;
+        for (size_t i = begin; i < end; i += SPH__LANES) {
+            if (i % LINE == 0 && i + AHEAD < s) ask_for_rows(f, s, i + AHEAD);
+            add_planes(f, s, i, first, block + i * rows, &planes, &turns[(i - begin) / SPH__LANES]);
+            if (first && rest > 0) memset(block + i * rows + leaf, 0, rest);
         }
-        if (first && rows > SPH__LEAF_ROWS)
-            memset(to + SPH__LEAF_ROWS * SPH__LANES, 0, (rows - SPH__LEAF_ROWS) * SPH__LANES * sizeof *to);
+        for (size_t i = begin; i < end && f->cap_weight > 0; i += SPH__LANES)
+            sph__add_cap_plane(&turns[(i - begin) / SPH__LANES], f->cap_weight, block + i * rows, &caps);
     }
-    memcpy(w, &total, sizeof total);
+    planes += caps;
+    memcpy(w, &planes, sizeof planes);
 }
 
 static double leaf_weight(const sph__builder *b, uint32_t v)

@@ -92,7 +92,7 @@ static void evaluate_range(void *argument, size_t begin, size_t end)
 {
     const walk *w = argument;
     for (size_t i = begin; i < end; ++i)
-        w->costs[i] = sph__evaluate(w->b, w->edges[i], &w->b->candidates[w->edges[i]]);
+        w->costs[i] = sph__evaluate(w->b, w->edges[i], SPH__NO_NODE, &w->b->candidates[w->edges[i]]);
 }
 
 /* The vertices from `begin` to `end` of the walk. */

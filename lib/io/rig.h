@@ -18,7 +18,8 @@ typedef struct sph__rig {
     bool wide_indices;  /* u32, else u16 */
     /* For each clip and each bone the rotations x y z w of its frames, then their translations. */
     float *keys;
-    float *rest; /* [joint_count][3]: translations to the parent at rest */
+    float *rest;     /* [joint_count][3]: translations to the parent at rest */
+    double reported; /* of the call's progress, before the keys: a skeleton made for the call goes to 1 by itself */
 } sph__rig;
 
 /* --- rig_mesh.c --- */
@@ -30,8 +31,10 @@ void sph__rig_put_joints(const sph__rig *rig, unsigned set, sph__io_output *o);
 void sph__rig_put_weights(const sph__rig *rig, unsigned set, sph__io_output *o);
 
 /* --- rig_keys.c --- */
-/* Floats of all keys; SPH_E_NOMEM where that overflows. */
+/* Floats of all keys; SPH_E_NOMEM where that overflows. Progress: the first half of what is left of the call's. */
 sph_status sph__rig_make_keys(sph__rig *rig);
+/* Reports that all frames before the clip's are done, in the half that begins at `half`, 0 or 0.5, of what is left. */
+sph_status sph__rig_report(const sph__rig *rig, const char *stage, double half, const sph_skin_clip *clip);
 static inline uint32_t sph__rig_root(const sph__rig *rig) /* the joint of no bone; or no joint's number */
 {
     return rig->joints.bone_count;

@@ -175,6 +175,12 @@ static sph_status check_clip(const sph__rig *rig, const sph_skin_clip *clip)
     return SPH_OK;
 }
 
+sph_status sph__rig_report(const sph__rig *rig, const char *stage, double half, const sph_skin_clip *clip)
+{
+    const double share = half + 0.5 * (double)clip->first_frame / rig->skin.frame_count;
+    return sph_context_report_progress(rig->context, stage, rig->reported + (1 - rig->reported) * share);
+}
+
 sph_status sph__rig_make_keys(sph__rig *rig)
 {
     const size_t joints = rig->joints.joint_count, bones = rig->joints.bone_count;
@@ -194,7 +200,7 @@ sph_status sph__rig_make_keys(sph__rig *rig)
         status = check_rest(rig);
         for (uint32_t c = 0; c < rig->skin.clip_count && status == SPH_OK; ++c) {
             const sph_skin_clip *clip = &rig->skin.clips[c];
-            status = sph_context_report_progress(rig->context, "keys", (double)clip->first_frame / (double)frames);
+            status = sph__rig_report(rig, "keys", 0, clip);
             for (uint32_t f = 0; f < clip->frame_count && status == SPH_OK; ++f)
                 make_frame(rig, clip, f, poses);
             if (status == SPH_OK) status = check_clip(rig, clip);

@@ -74,8 +74,7 @@ static void put_inverse_binds(const sph__rig *rig, sph__io_output *o)
 static sph_status put_clip(const sph__rig *rig, const sph_skin_clip *clip, sph__io_output *o)
 {
     const size_t size = (size_t)7 * rig->joints.bone_count, begin = size * clip->first_frame;
-    const sph_status status =
-        sph_context_report_progress(rig->context, "writing", (double)clip->first_frame / rig->skin.frame_count);
+    const sph_status status = sph__rig_report(rig, "writing", 0.5, clip);
     for (uint32_t f = 0; f < clip->frame_count; ++f)
         sph__io_put_float(o, (float)(f / sph__rig_rate(rig, clip)));
     for (size_t i = begin; i < begin + size * clip->frame_count; ++i)
@@ -202,6 +201,7 @@ sph_status sph_io_save_rig(sph_context *context, const sph_skin *skin, const sph
     if (status == SPH_OK && skeleton == NULL) {
         status = sph_skeleton_create(skin, NULL, &own);
         skeleton = own;
+        rig.reported = 1;
     }
     if (status == SPH_OK) status = sph_skin_get_arrays(skin, &rig.skin);
     if (status == SPH_OK) status = sph_skeleton_get_arrays(skeleton, &rig.joints);

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "faults.h"
 #include "files.h"
 #include "io/io.h"
 #include "runner.h"
@@ -297,8 +298,10 @@ END_TEST
 
 /* --- allocations that fail --- */
 
-static sph_status open_sample(sph_context *own, int kind)
+/* `user` holds the kind. */
+static sph_status open_sample(sph_context *own, const void *user)
 {
+    const int kind = *(const int *)user;
     const bool sequence = kind < PC2;
     const char *ending = strrchr(NAMES[kind], '.');
     char pattern[32];
@@ -340,23 +343,7 @@ START_TEST(every_allocation_may_fail)
             file_write(name, samples[kind].bytes, samples[kind].size);
     }
     if (kind == PC2 || kind == MDD) file_write(NAMES[kind], samples[kind].bytes, samples[kind].size);
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = 0, .sticky = _i % 2 == 1};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *own = test_context_with_allocator(&allocator);
-        sph_status status;
-        faulty.fail_at = faulty.calls + n;
-        status = open_sample(own, kind);
-        sph_context_destroy(own);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < faulty.fail_at) { /* it was never reached: all allocations have had their turn */
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 5);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = open_sample, .user = &kind, .least = 6, .sticky = _i % 2});
 }
 END_TEST
 

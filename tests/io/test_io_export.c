@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "faults.h"
 #include "files.h"
 #include "runner.h"
 #include "support.h"
@@ -126,29 +127,23 @@ START_TEST(spheres_of_a_cylinder_cover_it_as_the_circle_through_the_middle_does)
 }
 END_TEST
 
+/* `user` is the file's name. */
+static sph_status export(sph_context *own, const void *user)
+{
+    sph_level *level = make_level(own);
+    sph_io_export_options o;
+    sph_status status = SPH_E_NOMEM;
+    sph_io_export_options_init(&o, sizeof o);
+    o.first_frame = 1;
+    if (level != NULL) status = sph_io_export_level(own, level, file_path(user), &o, NULL);
+    sph_level_destroy(level);
+    ck_assert_uint_eq(file_count(), status == SPH_OK);
+    return status;
+}
+
 START_TEST(every_allocation_may_fail_and_leaves_no_file)
 {
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = n, .sticky = n % 2 == 0};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *own = test_context_with_allocator(&allocator);
-        sph_level *level = own == NULL ? NULL : make_level(own);
-        sph_io_export_options o;
-        sph_status status = SPH_E_NOMEM;
-        sph_io_export_options_init(&o, sizeof o);
-        o.first_frame = 1;
-        if (level != NULL) status = sph_io_export_level(own, level, file_path(NAMES[_i]), &o, NULL);
-        sph_level_destroy(level);
-        sph_context_destroy(own);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert_uint_eq(file_count(), status == SPH_OK);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 8);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = export, .user = NAMES[_i / 2], .least = 8, .sticky = _i % 2});
 }
 END_TEST
 
@@ -219,7 +214,7 @@ int main(void)
     tcase_add_test(tests, radii_per_frame_are_those_of_the_frame);
     tcase_add_test(tests, a_medial_mesh_leaves_out_what_names_a_sphere_twice);
     tcase_add_test(tests, spheres_of_a_cylinder_cover_it_as_the_circle_through_the_middle_does);
-    tcase_add_loop_test(tests, every_allocation_may_fail_and_leaves_no_file, 0, NAME_COUNT);
+    tcase_add_loop_test(tests, every_allocation_may_fail_and_leaves_no_file, 0, 2 * NAME_COUNT);
     tcase_add_test(tests, what_cannot_be_exported_is_refused_with_a_reason);
     tcase_add_test(tests, a_format_may_be_named_whatever_the_ending);
     return run_suite(suite, tests);

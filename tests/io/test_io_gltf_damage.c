@@ -6,6 +6,7 @@
 #include <check.h>
 #include <string.h>
 
+#include "faults.h"
 #include "glb.h"
 #include "io/io.h"
 #include "runner.h"
@@ -183,29 +184,21 @@ START_TEST(absurd_numbers_in_the_json_are_refused_or_read_within_the_bytes)
 }
 END_TEST
 
+/* `user` is the file's path. */
+static sph_status open_and_destroy(sph_context *own, const void *user)
+{
+    const char *path = user;
+    sph_animation *animation = NULL;
+    const sph_status status = sph_io_open_animation(own, &path, 1, NULL, &animation);
+    ck_assert_int_eq(animation == NULL, status != SPH_OK);
+    sph_animation_destroy(animation);
+    return status;
+}
+
 START_TEST(every_allocation_may_fail)
 {
     const char *path = file_write("a.glb", sample.bytes, sample.size);
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = 0, .sticky = _i == 1};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *own = test_context_with_allocator(&allocator);
-        sph_animation *animation = NULL;
-        sph_status status;
-        faulty.fail_at = faulty.calls + n;
-        status = sph_io_open_animation(own, &path, 1, NULL, &animation);
-        ck_assert_int_eq(animation == NULL, status != SPH_OK);
-        sph_animation_destroy(animation);
-        sph_context_destroy(own);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < faulty.fail_at) { /* it was never reached: all allocations have had their turn */
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 30);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = open_and_destroy, .user = path, .least = 31, .sticky = _i});
 }
 END_TEST
 

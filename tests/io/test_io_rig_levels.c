@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "../unit/simplify_case.h"
+#include "faults.h"
 #include "files.h"
 #include "runner.h"
 
@@ -57,28 +58,20 @@ START_TEST(a_level_is_read_back_as_it_was)
 }
 END_TEST
 
+static sph_status make_and_destroy(sph_context *context, const void *user)
+{
+    sph_io_rig_levels *levels = NULL;
+    const sph_status status = make(context, file_path("rig.glb"), file_path("chain.glb"), &levels);
+    (void)user;
+    sph_io_rig_levels_destroy(levels);
+    ck_assert_uint_le(file_count(), 2); /* nothing half-written is left */
+    return status;
+}
+
 /* _i: once, or from there on. */
 START_TEST(every_allocation_may_fail)
 {
-    const char *rig = file_path("rig.glb"), *chain = file_path("chain.glb");
-    for (size_t n = 1;; n += 1 + n / 40) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i != 0};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *context = test_context_with_allocator(&allocator);
-        sph_io_rig_levels *levels = NULL;
-        const sph_status status = context == NULL ? SPH_E_NOMEM : make(context, rig, chain, &levels);
-        sph_io_rig_levels_destroy(levels);
-        sph_context_destroy(context);
-        ck_assert_msg(faulty.live_blocks == 0, "%zu blocks leak when allocation %zu fails", faulty.live_blocks, n);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 200);
-            return;
-        }
-        if (status != SPH_OK) ck_assert_int_eq(status, SPH_E_NOMEM);
-        ck_assert_uint_le(file_count(), 2); /* nothing half-written is left */
-    }
+    check_every_allocation((test_faults){.work = make_and_destroy, .least = 200, .sticky = _i, .thinning = 60});
 }
 END_TEST
 

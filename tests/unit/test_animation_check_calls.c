@@ -4,6 +4,7 @@
 
 #include "check_case.h"
 #include "context_case.h"
+#include "faults.h"
 #include "runner.h"
 
 START_TEST(check_rejects_bad_arguments)
@@ -55,62 +56,32 @@ START_TEST(frames_from_a_source_give_the_same_report_in_one_pass)
 }
 END_TEST
 
-START_TEST(progress_never_falls_and_may_cancel_at_any_call)
+/* `user` is the animation that is read. */
+static sph_status pull_and_check(sph_context *own, const void *user)
 {
-    test_progress progress = {0};
-    sph_context *own = test_context_with_progress(test_progress_callback, &progress);
-    sph_animation *a = test_torus(own, 8, 6, 5);
+    test_source source = {.from = user};
+    sph_animation *a = test_pulled(own, &source);
     sph_animation_report r;
-    size_t calls;
-    check(a);
-    calls = progress.calls;
-    ck_assert_uint_gt(calls, 5);
-    ck_assert(!progress.fell);
-    ck_assert_double_eq_tol(progress.last, 1, 1e-12);
-    for (size_t n = 1; n <= calls; ++n) {
-        progress = (test_progress){.cancel_at = n};
-        sph_animation_report_init(&r, sizeof r);
-        ck_assert_int_eq(sph_animation_check(a, &r), SPH_E_CANCELLED);
-        ck_assert_uint_eq(progress.calls, n);
-        ck_assert_uint_eq(r.component_count, 0);
-    }
-    sph_animation_destroy(a);
-    sph_context_destroy(own);
-}
-END_TEST
-
-static sph_status faulty_scenario(const sph_allocator *allocator, const sph_animation *model)
-{
-    sph_context *own = test_context_with_allocator(allocator);
-    test_source source = {.from = model};
-    sph_animation *a = own == NULL ? NULL : test_pulled(own, &source);
-    sph_animation_report r;
-    sph_status status = a == NULL ? SPH_E_NOMEM : SPH_OK;
+    sph_status status = SPH_E_NOMEM;
     sph_animation_report_init(&r, sizeof r);
-    if (status == SPH_OK) status = sph_animation_check(a, &r);
-    if (status == SPH_OK) ck_assert_uint_eq(r.component_count, 1);
-    if (status != SPH_OK) ck_assert_uint_eq(r.component_count, 0);
+    if (a != NULL) status = sph_animation_check(a, &r);
+    ck_assert_uint_eq(r.component_count, status == SPH_OK);
     sph_animation_destroy(a);
-    sph_context_destroy(own);
     return status;
 }
+
+START_TEST(progress_never_falls_and_may_cancel_at_any_call)
+{
+    sph_animation *model = test_torus(context, 8, 6, 5);
+    check_every_cancel((test_faults){.work = pull_and_check, .user = model, .least = 6, .complete = true});
+    sph_animation_destroy(model);
+}
+END_TEST
 
 START_TEST(every_allocation_may_fail)
 {
     sph_animation *model = test_torus(context, 8, 6, 3);
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i != 0};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        const sph_status status = faulty_scenario(&allocator, model);
-        ck_assert_msg(faulty.live_blocks == 0, "leak of %zu bytes when allocation %zu fails", faulty.live_bytes, n);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 15);
-            break;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = pull_and_check, .user = model, .least = 15, .sticky = _i});
     sph_animation_destroy(model);
 }
 END_TEST

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "context_case.h"
+#include "faults.h"
 #include "runner.h"
 #include "weld_case.h"
 
@@ -116,65 +117,42 @@ static sph_animation *model_for(sph_context *own)
 
 static const float STAGE_TOLERANCES[] = {0, 1e-4f, 0.3f};
 
-START_TEST(progress_never_falls_and_may_cancel_at_any_call)
-{
-    test_progress progress = {0};
-    sph_context *own = test_context_with_progress(test_progress_callback, &progress);
-    sph_animation *model = model_for(context), *a, *welded;
-    test_source source = {.from = model};
-    uint32_t *map = test_malloc(sph_animation_vertex_count(model), sizeof *map);
-    size_t calls;
-    a = test_pulled(own, &source);
-    ck_assert_int_eq(sph_animation_weld(a, STAGE_TOLERANCES[_i], map, &welded), SPH_OK);
-    sph_animation_destroy(welded);
-    calls = progress.calls;
-    ck_assert_uint_gt(calls, 6);
-    ck_assert(!progress.fell);
-    ck_assert_double_eq_tol(progress.last, 1, 1e-12);
-    map[0] = 42;
-    for (size_t n = 1; n <= calls; ++n) {
-        progress = (test_progress){.cancel_at = n};
-        ck_assert_int_eq(sph_animation_weld(a, STAGE_TOLERANCES[_i], map, &welded), SPH_E_CANCELLED);
-        ck_assert_ptr_null(welded);
-        ck_assert_uint_eq(progress.calls, n);
-        ck_assert_uint_eq(map[0], 42);
-    }
-    free(map);
-    sph_animation_destroy(a);
-    sph_animation_destroy(model);
-    sph_context_destroy(own);
-}
-END_TEST
+typedef struct weld {
+    const sph_animation *model;
+    float tolerance;
+    uint32_t *map; /* NULL: none is asked for */
+} weld;
 
-static sph_status faulty_scenario(const sph_allocator *allocator, const sph_animation *model, float tolerance)
+static sph_status pull_and_weld(sph_context *own, const void *user)
 {
-    sph_context *own = test_context_with_allocator(allocator);
-    test_source source = {.from = model};
-    sph_animation *a = own == NULL ? NULL : test_pulled(own, &source), *welded = NULL;
-    sph_status status = a == NULL ? SPH_E_NOMEM : sph_animation_weld(a, tolerance, NULL, &welded);
+    const weld *w = user;
+    test_source source = {.from = w->model};
+    sph_animation *a = test_pulled(own, &source), *welded = a;
+    sph_status status = SPH_E_NOMEM;
+    if (w->map != NULL) w->map[0] = 42;
+    if (a != NULL) status = sph_animation_weld(a, w->tolerance, w->map, &welded);
     ck_assert_int_eq(status == SPH_OK, welded != NULL);
+    if (w->map != NULL) ck_assert_uint_eq(w->map[0], status == SPH_OK ? 0 : 42);
     sph_animation_destroy(welded);
     sph_animation_destroy(a);
-    sph_context_destroy(own);
     return status;
 }
+
+START_TEST(progress_never_falls_and_may_cancel_at_any_call)
+{
+    sph_animation *model = model_for(context);
+    const weld w = {model, STAGE_TOLERANCES[_i], test_malloc(sph_animation_vertex_count(model), sizeof *w.map)};
+    check_every_cancel((test_faults){.work = pull_and_weld, .user = &w, .least = 7, .complete = true});
+    free(w.map);
+    sph_animation_destroy(model);
+}
+END_TEST
 
 START_TEST(every_allocation_may_fail)
 {
     sph_animation *model = model_for(context);
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i % 2 != 0};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        const sph_status status = faulty_scenario(&allocator, model, STAGE_TOLERANCES[_i / 2]);
-        ck_assert_msg(faulty.live_blocks == 0, "leak of %zu bytes when allocation %zu fails", faulty.live_bytes, n);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 10);
-            break;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    const weld w = {model, STAGE_TOLERANCES[_i / 2], NULL};
+    check_every_allocation((test_faults){.work = pull_and_weld, .user = &w, .least = 10, .sticky = _i % 2});
     sph_animation_destroy(model);
 }
 END_TEST

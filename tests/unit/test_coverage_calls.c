@@ -3,10 +3,13 @@
 #include <math.h>
 
 #include "coverage_case.h"
+#include "faults.h"
 #include "hierarchy_case.h"
 #include "runner.h"
 
-static sph_status work(sph_context *of, sph_level **out)
+enum { MEASURE = 1, INFLATE = 2 };
+
+static sph_status work(sph_context *of, int calls, sph_level **out)
 {
     uint64_t state = 7;
     const test_solid s = random_solid(&state);
@@ -19,8 +22,9 @@ static sph_status work(sph_context *of, sph_level **out)
     random_points(&state, xyz, POINTS * FRAMES);
     animation = points(of, xyz, POINTS, FRAMES);
     *out = NULL;
-    if (level != NULL && animation != NULL) status = sph_coverage_measure(animation, level, &c);
-    if (status == SPH_OK) status = sph_coverage_inflate(animation, level, NULL, &n, out);
+    if (level != NULL && animation != NULL) status = SPH_OK;
+    if (status == SPH_OK && (calls & MEASURE) != 0) status = sph_coverage_measure(animation, level, &c);
+    if (status == SPH_OK && (calls & INFLATE) != 0) status = sph_coverage_inflate(animation, level, NULL, &n, out);
     sph_animation_destroy(animation);
     sph_level_destroy(level);
     return status;
@@ -31,11 +35,11 @@ START_TEST(the_result_is_the_same_for_any_threads_and_executor)
     const sph_executor executors[] = {test_executor_reverse(), test_executor_scattered(), test_executor_threads()};
     sph_context *one = test_context_with_threads(1);
     sph_level *expected, *level;
-    ck_assert_int_eq(work(one, &expected), SPH_OK);
+    ck_assert_int_eq(work(one, MEASURE | INFLATE, &expected), SPH_OK);
     sph_context_destroy(one); /* the level keeps it */
     for (int i = 0; i < 5; ++i) {
         sph_context *other = i < 3 ? test_context_with_executor(&executors[i]) : test_context_with_threads((uint32_t)i);
-        ck_assert_int_eq(work(other, &level), SPH_OK);
+        ck_assert_int_eq(work(other, MEASURE | INFLATE, &level), SPH_OK);
         ck_assert_mem_eq(arrays_of(level).radii, arrays_of(expected).radii, 4 * (size_t)arrays_of(level).sphere_count);
         sph_level_destroy(level);
         sph_context_destroy(other);
@@ -44,42 +48,28 @@ START_TEST(the_result_is_the_same_for_any_threads_and_executor)
 }
 END_TEST
 
+/* `user` says which calls. */
+static sph_status work_and_destroy(sph_context *own, const void *user)
+{
+    const int calls = *(const int *)user;
+    sph_level *level;
+    const sph_status status = work(own, calls, &level);
+    ck_assert((status == SPH_OK && (calls & INFLATE) != 0) == (level != NULL));
+    sph_level_destroy(level);
+    return status;
+}
+
 START_TEST(every_allocation_may_fail)
 {
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *own = test_context_with_allocator(&allocator);
-        sph_level *level = NULL;
-        const sph_status status = own == NULL ? SPH_E_NOMEM : work(own, &level);
-        ck_assert((status == SPH_OK) == (level != NULL));
-        sph_level_destroy(level);
-        sph_context_destroy(own);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 20);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    const int calls = MEASURE | INFLATE;
+    check_every_allocation((test_faults){.work = work_and_destroy, .user = &calls, .least = 20, .sticky = _i});
 }
 END_TEST
 
-START_TEST(progress_may_cancel_at_any_call)
+START_TEST(progress_rises_and_may_cancel_at_any_call) /* _i: of the one or the other */
 {
-    for (size_t n = 0;; ++n) {
-        test_progress progress = {.cancel_at = n};
-        sph_context *own = test_context_with_progress(test_progress_callback, &progress);
-        sph_level *level;
-        const sph_status status = work(own, &level);
-        if (status == SPH_OK) ck_assert_uint_gt(progress.calls, 3);
-        ck_assert_int_eq(status, n == 0 || progress.calls < n ? SPH_OK : SPH_E_CANCELLED);
-        sph_level_destroy(level);
-        sph_context_destroy(own);
-        if (n > 0 && status == SPH_OK) return;
-    }
+    const int calls = _i == 0 ? MEASURE : INFLATE;
+    check_every_cancel((test_faults){.work = work_and_destroy, .user = &calls, .least = 2});
 }
 END_TEST
 
@@ -131,7 +121,7 @@ int main(void)
     tcase_add_checked_fixture(tc, setup, teardown);
     tcase_add_test(tc, the_result_is_the_same_for_any_threads_and_executor);
     tcase_add_loop_test(tc, every_allocation_may_fail, 0, 2);
-    tcase_add_test(tc, progress_may_cancel_at_any_call);
+    tcase_add_loop_test(tc, progress_rises_and_may_cancel_at_any_call, 0, 2);
     tcase_add_test(tc, what_is_wrong_is_refused_with_a_reason);
     return run_suite(suite, tc);
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "faults.h"
 #include "numeric/heap.h"
 #include "runner.h"
 
@@ -108,7 +109,8 @@ START_TEST(the_first_items_are_those_that_qsort_puts_first)
     qsort(expected, ITEMS, sizeof *expected, compare_entries);
     for (size_t most = 0; most <= SPH__HEAP_FIRST; most += most < 8 ? 1 : 31) {
         ck_assert_uint_eq(sph__heap_first(&heap, first, most), most);
-        for (size_t i = 0; i < most; ++i) ck_assert_uint_eq(first[i], expected[i].item);
+        for (size_t i = 0; i < most; ++i)
+            ck_assert_uint_eq(first[i], expected[i].item);
     }
     ck_assert_uint_eq(sph__heap_first(&heap, first, ITEMS), SPH__HEAP_FIRST);
     ck_assert_uint_eq(sph__heap_count(&heap), ITEMS);
@@ -193,32 +195,11 @@ START_TEST(items_never_seen_are_absent_and_the_last_number_is_refused)
 }
 END_TEST
 
-typedef struct faulty {
-    size_t calls, fail_at;
-    long live;
-    bool sticky;
-} faulty;
-
-static void *faulty_allocate(void *user, size_t size, size_t alignment)
+/* Fills a heap; where an insertion fails, the heap must be as before and still work. `user` says whether places are
+ * reserved. */
+static sph_status fill(sph_context *fallible, const void *user)
 {
-    faulty *f = user;
-    void *memory;
-    ++f->calls;
-    if (f->calls == f->fail_at || (f->sticky && f->calls > f->fail_at)) return NULL;
-    if (posix_memalign(&memory, alignment < sizeof(void *) ? sizeof(void *) : alignment, size) != 0) return NULL;
-    f->live += (long)size;
-    return memory;
-}
-
-static void faulty_release(void *user, void *memory, size_t size)
-{
-    ((faulty *)user)->live -= (long)size;
-    free(memory);
-}
-
-/* Fills a heap; where an insertion fails, the heap must be as before and still work. */
-static sph_status fill(sph_context *fallible, bool reserve)
-{
+    const bool reserve = *(const bool *)user;
     sph__heap heap;
     sph_status status = SPH_OK;
     uint32_t inserted = 0, item;
@@ -240,25 +221,8 @@ static sph_status fill(sph_context *fallible, bool reserve)
 
 START_TEST(every_allocation_may_fail)
 {
-    for (size_t n = 1;; ++n) {
-        faulty f = {.fail_at = n, .sticky = _i % 2 == 1};
-        sph_context_options options;
-        sph_context *fallible = NULL;
-        sph_status status;
-        sph_context_options_init(&options, sizeof options);
-        options.thread_count = 1;
-        options.allocator = (sph_allocator){&f, faulty_allocate, faulty_release};
-        status = sph_context_create(&options, &fallible);
-        if (status == SPH_OK) status = fill(fallible, _i >= 2);
-        sph_context_destroy(fallible);
-        ck_assert_msg(f.live == 0, "leak of %ld bytes when allocation %zu fails", f.live, n);
-        if (f.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 2);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    const bool reserve = _i >= 2;
+    check_every_allocation((test_faults){.work = fill, .user = &reserve, .least = 3, .sticky = _i % 2});
 }
 END_TEST
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "awkward.h"
+#include "faults.h"
 #include "runner.h"
 #include "support.h"
 
@@ -45,13 +46,19 @@ static sph_status use(const sph_hierarchy *h, const sph_animation *animation)
     return status;
 }
 
-static sph_status build_and_use(sph_context *context, unsigned kind, unsigned frames, const sph_hierarchy_options *o)
+typedef struct build {
+    unsigned kind;
+    sph_hierarchy_options options;
+} build;
+
+static sph_status build_and_use(sph_context *context, const void *user)
 {
-    sph_animation *animation = awkward(context, kind, frames);
+    const build *b = user;
+    sph_animation *animation = awkward(context, b->kind, 2);
     sph_hierarchy *h = NULL;
     sph_status status = SPH_E_NOMEM;
     if (animation != NULL) {
-        status = sph_hierarchy_create(animation, o, &h);
+        status = sph_hierarchy_create(animation, &b->options, &h);
         ck_assert((h != NULL) == (status == SPH_OK));
         if (status == SPH_OK) status = use(h, animation);
     }
@@ -63,63 +70,26 @@ static sph_status build_and_use(sph_context *context, unsigned kind, unsigned fr
 /* _i: the kind, the radius mode, and whether an allocation fails once or all do from there on. */
 START_TEST(every_allocation_may_fail)
 {
-    const unsigned kind = KINDS[_i / (2 * MODES)];
-    const sph_hierarchy_options o = choose(_i / 2 % MODES, _i % 2 == 0 ? 0.02 : 0);
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i % 2 != 0};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *context = test_context_with_allocator(&allocator);
-        const sph_status status = context == NULL ? SPH_E_NOMEM : build_and_use(context, kind, 2, &o);
-        sph_context_destroy(context);
-        ck_assert_msg(faulty.live_blocks == 0, "%zu blocks leak when allocation %zu fails", faulty.live_blocks, n);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 20);
-            return;
-        }
-        /* threads that cannot be started are done without */
-        ck_assert_msg(status == SPH_E_NOMEM || (status == SPH_OK && n < 8), "status %d at allocation %zu", status, n);
-    }
+    const build b = {KINDS[_i / (2 * MODES)], choose(_i / 2 % MODES, _i % 2 == 0 ? 0.02 : 0)};
+    check_every_allocation((test_faults){.work = build_and_use, .user = &b, .least = 20, .sticky = _i % 2});
 }
 END_TEST
+
+static sph_status build_alone(sph_context *context, const void *user)
+{
+    sph_animation *animation = test_torus(context, 40, 25, 5);
+    sph_hierarchy *h = (sph_hierarchy *)animation;
+    const sph_status status = sph_hierarchy_create(animation, user, &h);
+    ck_assert((h != NULL) == (status == SPH_OK));
+    sph_hierarchy_destroy(h);
+    sph_animation_destroy(animation);
+    return status;
+}
 
 START_TEST(building_may_be_cancelled_at_every_report)
 {
     const sph_hierarchy_options o = choose((int32_t)_i, 0.02);
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {0};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        test_progress progress = {.cancel_at = n};
-        sph_context_options options;
-        sph_context *context;
-        sph_animation *animation;
-        sph_hierarchy *h;
-        sph_status status;
-        sph_context_options_init(&options, sizeof options);
-        options.allocator = allocator;
-        options.progress = test_progress_callback;
-        options.progress_user = &progress;
-        ck_assert_int_eq(sph_context_create(&options, &context), SPH_OK);
-        animation = test_torus(context, 40, 25, 5);
-        h = (sph_hierarchy *)animation;
-        status = sph_hierarchy_create(animation, &o, &h);
-        ck_assert(!progress.fell);
-        ck_assert((h != NULL) == (status == SPH_OK));
-        sph_hierarchy_destroy(h);
-        sph_animation_destroy(animation);
-        sph_context_destroy(context);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (progress.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 20);
-            ck_assert_double_eq(progress.last, 1);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_CANCELLED);
-        ck_assert_uint_eq(progress.calls, n); /* not asked again */
-    }
+    check_every_cancel((test_faults){.work = build_alone, .user = &o, .least = 20, .complete = true});
 }
 END_TEST
 

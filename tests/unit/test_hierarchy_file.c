@@ -2,6 +2,7 @@
 /* Hierarchies as bytes: the same after it. */
 #include <stdlib.h>
 
+#include "faults.h"
 #include "hierarchy_case.h"
 #include "hierarchy_file_case.h"
 #include "runner.h"
@@ -70,31 +71,25 @@ START_TEST(a_hierarchy_comes_back_as_it_was)
 }
 END_TEST
 
+/* `user` holds the bytes. */
+static sph_status read_and_write(sph_context *own, const void *user)
+{
+    const bytes *b = user;
+    sph_hierarchy *back = NULL;
+    bytes again = {NULL, 0, 0};
+    sph_status status = sph_hierarchy_read(own, b->data, b->size, &back);
+    ck_assert((back != NULL) == (status == SPH_OK));
+    if (status == SPH_OK) status = sph_hierarchy_write(back, keep, &again);
+    sph_hierarchy_destroy(back);
+    free(again.data);
+    return status;
+}
+
 START_TEST(every_allocation_may_fail)
 {
     sph_hierarchy *h = make_hierarchy(context, 1, SPH_RADIUS_PER_FRAME);
     bytes b = write_all(h);
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = 0, .sticky = _i == 1};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *own = test_context_with_allocator(&allocator);
-        sph_hierarchy *back;
-        bytes again = {NULL, 0, 0};
-        sph_status status;
-        faulty.fail_at = faulty.calls + n;
-        status = sph_hierarchy_read(own, b.data, b.size, &back);
-        if (status == SPH_OK) status = sph_hierarchy_write(back, keep, &again);
-        sph_hierarchy_destroy(back);
-        sph_context_destroy(own);
-        free(again.data);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        if (faulty.calls < faulty.fail_at) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 10);
-            break;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = read_and_write, .user = &b, .least = 11, .sticky = _i});
     free(b.data);
     sph_hierarchy_destroy(h);
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "faults.h"
 #include "implicit_case.h"
 #include "runner.h"
 
@@ -238,17 +239,17 @@ START_TEST(awkward_skins_are_posed_without_harm)
 END_TEST
 
 /* Everything that allocates. */
-static sph_status scenario(const sph_allocator *allocator)
+static sph_status make_and_use(sph_context *own, const void *user)
 {
     static float xyz[TUBE_VERTICES][3];
-    sph_context *own = test_context_with_allocator(allocator);
-    sph_skin *of = own == NULL ? NULL : tube_skin(&t, own);
+    sph_skin *of = tube_skin(&t, own);
     sph_implicit_options o;
     sph_implicit *implicit = NULL, *back = NULL;
     sph_tracker *tracker = NULL;
     bytes b = {NULL, 0};
     double transforms[2][12];
     sph_status status = of == NULL ? SPH_E_NOMEM : SPH_OK;
+    (void)user;
     sph_implicit_options_init(&o, sizeof o);
     o.parents = t.parents;
     o.sample_count = 8;
@@ -265,25 +266,12 @@ static sph_status scenario(const sph_allocator *allocator)
     sph_implicit_destroy(implicit);
     sph_implicit_destroy(back);
     sph_skin_destroy(of);
-    sph_context_destroy(own);
     return status;
 }
 
 START_TEST(any_allocation_may_fail)
 {
-    for (size_t n = 1;; n += n < 40 ? 1 : 3) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        const sph_status status = scenario(&allocator);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 60);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = make_and_use, .least = 60, .sticky = _i, .thinning = 60});
 }
 END_TEST
 

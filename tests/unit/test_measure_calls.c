@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "faults.h"
 #include "hierarchy_case.h"
 #include "runner.h"
 
@@ -87,48 +88,37 @@ START_TEST(means_are_those_of_the_frames_and_frames_can_be_chosen)
 }
 END_TEST
 
+static const sph_distances UNTOUCHED = {.hausdorff = -1};
+
+static sph_status measure_a_level(sph_context *own, const void *user)
+{
+    sph_distances d = UNTOUCHED;
+    const sph_status status = measure_torus(own, 1, &d, NULL);
+    (void)user;
+    if (status != SPH_OK) ck_assert_mem_eq(&d, &UNTOUCHED, sizeof d);
+    return status;
+}
+
 START_TEST(every_allocation_may_fail) /* _i: 0 = fail once, 1 = fail from there on */
 {
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i != 0};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        const sph_distances untouched = {.hausdorff = -1};
-        sph_distances d = untouched;
-        sph_context *own = test_context_with_allocator(&allocator);
-        const sph_status status = own == NULL ? SPH_E_NOMEM : measure_torus(own, 1, &d, NULL);
-        sph_context_destroy(own);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 20);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-        ck_assert_mem_eq(&d, &untouched, sizeof d);
-    }
+    check_every_allocation((test_faults){.work = measure_a_level, .least = 20, .sticky = _i});
 }
 END_TEST
 
+static sph_status measure_meshes(sph_context *own, const void *user)
+{
+    sph_animation *torus = test_torus(own, 12, 6, 5);
+    sph_distances d = UNTOUCHED;
+    const sph_status status = sph_measure_meshes(torus, torus, NULL, &d, NULL);
+    (void)user;
+    if (status != SPH_OK) ck_assert_mem_eq(&d, &UNTOUCHED, sizeof d);
+    sph_animation_destroy(torus);
+    return status;
+}
+
 START_TEST(progress_rises_and_may_cancel_at_any_call)
 {
-    for (size_t n = 0;; ++n) {
-        test_progress progress = {.cancel_at = n};
-        sph_context *own = test_context_with_progress(test_progress_callback, &progress);
-        sph_animation *torus = test_torus(own, 12, 6, 5);
-        sph_distances d = {.hausdorff = -1};
-        sph_status status;
-        progress.calls = 0;
-        progress.last = 0;
-        status = sph_measure_meshes(torus, torus, NULL, &d, NULL);
-        ck_assert(!progress.fell);
-        if (status == SPH_OK) ck_assert_uint_gt(progress.calls, 1);
-        ck_assert_int_eq(status, n == 0 || progress.calls < n ? SPH_OK : SPH_E_CANCELLED);
-        if (status != SPH_OK) ck_assert_double_eq(d.hausdorff, -1);
-        sph_animation_destroy(torus);
-        sph_context_destroy(own);
-        if (n > 0 && status == SPH_OK) return;
-    }
+    check_every_cancel((test_faults){.work = measure_meshes, .least = 2});
 }
 END_TEST
 

@@ -2,6 +2,7 @@
 /* What the functions of a quadric refuse, and that a refusal, or a failed allocation, changes nothing. */
 #include <math.h>
 
+#include "faults.h"
 #include "quadric_case.h"
 #include "runner.h"
 
@@ -119,26 +120,19 @@ START_TEST(a_quadric_outlives_its_creator_s_hold_on_the_context)
 }
 END_TEST
 
+static sph_status create(sph_context *own, const void *user)
+{
+    sph_quadric *q = NULL;
+    const sph_status status = sph_quadric_create(own, 5, &q);
+    (void)user;
+    ck_assert_int_eq(status == SPH_OK, q != NULL);
+    sph_quadric_destroy(q);
+    return status;
+}
+
 START_TEST(every_allocation_may_fail)
 {
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i == 1};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *fallible = test_context_with_allocator(&allocator);
-        sph_quadric *q = NULL;
-        const sph_status status = fallible == NULL ? SPH_E_NOMEM : sph_quadric_create(fallible, 5, &q);
-        ck_assert_int_eq(status == SPH_OK, q != NULL);
-        sph_quadric_destroy(q);
-        sph_context_destroy(fallible);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 2);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = create, .least = 2, .sticky = _i});
 }
 END_TEST
 

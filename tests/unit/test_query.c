@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "faults.h"
 #include "runner.h"
 #include "solid.h"
 #include "support.h"
@@ -195,35 +196,28 @@ START_TEST(bad_options_and_missing_arguments_are_refused)
 }
 END_TEST
 
+static sph_status create_and_ask(sph_context *own, const void *user)
+{
+    sph_level *of = make_level(own, 0);
+    const float point[3] = {0.6f, 0.6f, 0.9f};
+    sph_query_options options;
+    sph_query *q = NULL;
+    uint8_t inside = 2;
+    sph_status status = SPH_E_NOMEM;
+    (void)user;
+    sph_query_options_init(&options, sizeof options);
+    options.search = SPH_SEARCH_TREE;
+    if (of != NULL) status = sph_query_create(of, &options, &q);
+    if (status == SPH_OK) status = sph_query_contains(q, point, 0, 1, SPH_CAVITY_SOLID, &inside);
+    if (status == SPH_OK) ck_assert_uint_eq(inside, 0);
+    sph_query_destroy(q);
+    sph_level_destroy(of);
+    return status;
+}
+
 START_TEST(every_allocation_may_fail)
 {
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *own = test_context_with_allocator(&allocator);
-        sph_level *of = own == NULL ? NULL : make_level(own, 0);
-        const float point[3] = {0.6f, 0.6f, 0.9f};
-        sph_query_options options;
-        sph_query *q = NULL;
-        uint8_t inside = 2;
-        sph_status status = SPH_E_NOMEM;
-        sph_query_options_init(&options, sizeof options);
-        options.search = SPH_SEARCH_TREE;
-        if (of != NULL) status = sph_query_create(of, &options, &q);
-        if (status == SPH_OK) status = sph_query_contains(q, point, 0, 1, SPH_CAVITY_SOLID, &inside);
-        sph_query_destroy(q);
-        sph_level_destroy(of);
-        sph_context_destroy(own);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_eq(inside, 0);
-            ck_assert_uint_gt(n, 10);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = create_and_ask, .least = 10, .sticky = _i});
 }
 END_TEST
 

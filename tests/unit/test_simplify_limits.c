@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "faults.h"
 #include "runner.h"
 #include "simplify_case.h"
 
@@ -26,12 +27,13 @@ static sph_status use(const sph_progressive *p)
     return status;
 }
 
-static sph_status make_and_use(sph_context *context)
+static sph_status make_and_use(sph_context *context, const void *user)
 {
     simplify_case c = make_tube(context, 8, 5);
     sph_simplify_options o;
     sph_progressive *p = NULL;
     sph_status status = SPH_E_NOMEM;
+    (void)user;
     sph_simplify_options_init(&o, sizeof o);
     o.attributes = c.attributes;
     o.attribute_count = 2;
@@ -50,46 +52,25 @@ static sph_status make_and_use(sph_context *context)
 /* _i: fails once, or from there on. */
 START_TEST(every_allocation_may_fail)
 {
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i != 0};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *context = test_context_with_allocator(&allocator);
-        const sph_status status = context == NULL ? SPH_E_NOMEM : make_and_use(context);
-        sph_context_destroy(context);
-        ck_assert_msg(faulty.live_blocks == 0, "%zu blocks leak when allocation %zu fails", faulty.live_blocks, n);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 60);
-            return;
-        }
-        if (status != SPH_OK) ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = make_and_use, .least = 60, .sticky = _i});
 }
 END_TEST
 
+static sph_status make(sph_context *context, const void *user)
+{
+    simplify_case c = make_tube(context, 40, 12);
+    sph_progressive *p = NULL;
+    const sph_status status = sph_progressive_create(c.skin, NULL, &p);
+    (void)user;
+    ck_assert((p != NULL) == (status == SPH_OK));
+    sph_progressive_destroy(p);
+    free_case(&c);
+    return status;
+}
+
 START_TEST(every_report_of_progress_may_cancel)
 {
-    for (size_t n = 1;; ++n) {
-        test_progress progress = {.cancel_at = n};
-        sph_context *context = test_context_with_progress(test_progress_callback, &progress);
-        simplify_case c = make_tube(context, 40, 12);
-        sph_progressive *p = NULL;
-        sph_status status;
-        progress = (test_progress){.cancel_at = n};
-        status = sph_progressive_create(c.skin, NULL, &p);
-        ck_assert(!progress.fell);
-        ck_assert((p != NULL) == (status == SPH_OK));
-        sph_progressive_destroy(p);
-        free_case(&c);
-        sph_context_destroy(context);
-        if (progress.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 5);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_CANCELLED);
-    }
+    check_every_cancel((test_faults){.work = make, .least = 5});
 }
 END_TEST
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "faults.h"
 #include "runner.h"
 #include "skeleton_case.h"
 
@@ -92,58 +93,38 @@ START_TEST(extreme_skins_make_finite_trees)
 }
 END_TEST
 
+/* `user` holds the options. */
+static sph_status make_and_pose(sph_context *own, const void *user)
+{
+    sph_skin *skin = make_skin_in(own);
+    sph_skeleton *skeleton = NULL;
+    sph_status status = SPH_E_NOMEM;
+    double locals[17 * 12], out[17 * 12];
+    if (skin != NULL) status = sph_skeleton_create(skin, user, &skeleton);
+    ck_assert((skeleton != NULL) == (status == SPH_OK));
+    if (status == SPH_OK) status = sph_skeleton_get_locals(skeleton, packed, locals);
+    if (status == SPH_OK) status = sph_skeleton_get_transforms(skeleton, locals, out);
+    sph_skeleton_destroy(skeleton);
+    sph_skin_destroy(skin);
+    return status;
+}
+
 START_TEST(every_allocation_may_fail)
 {
+    sph_skeleton_options o;
     use_random_links();
     link_count = 5; /* several parts */
-    for (size_t at = 1;; ++at) {
-        test_faulty faulty = {0};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *own = test_context_with_allocator(&allocator);
-        sph_skin *skin = make_skin_in(own);
-        sph_skeleton_options o;
-        sph_skeleton *skeleton = NULL;
-        sph_status status;
-        double locals[17 * 12], out[17 * 12];
-        sph_skeleton_options_init(&o, sizeof o);
-        o.root = _i == 0 ? SPH_ROOT_CENTER : SPH_ROOT_HEAVIEST;
-        faulty.fail_at = faulty.calls + at;
-        status = sph_skeleton_create(skin, &o, &skeleton);
-        if (status == SPH_OK) status = sph_skeleton_get_locals(skeleton, packed, locals);
-        if (status == SPH_OK) status = sph_skeleton_get_transforms(skeleton, locals, out);
-        sph_skeleton_destroy(skeleton);
-        sph_skin_destroy(skin);
-        sph_context_destroy(own);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (status == SPH_OK) {
-            ck_assert_uint_gt(at, 15);
-            break;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    sph_skeleton_options_init(&o, sizeof o);
+    o.root = _i / 2 == 0 ? SPH_ROOT_CENTER : SPH_ROOT_HEAVIEST;
+    check_every_allocation((test_faults){.work = make_and_pose, .user = &o, .least = 30, .sticky = _i % 2});
 }
 END_TEST
 
 START_TEST(progress_does_not_fall_and_may_cancel)
 {
-    size_t calls = 1;
     use_random_links();
     link_count = 5;
-    for (size_t cancel = 0; cancel <= calls; ++cancel) {
-        test_progress progress = {.cancel_at = cancel};
-        sph_context *own = test_context_with_progress(test_progress_callback, &progress);
-        sph_skin *skin = make_skin_in(own);
-        sph_skeleton *skeleton = NULL;
-        ck_assert_int_eq(sph_skeleton_create(skin, NULL, &skeleton), cancel == 0 ? SPH_OK : SPH_E_CANCELLED);
-        ck_assert(!progress.fell);
-        ck_assert((skeleton != NULL) == (cancel == 0));
-        if (cancel == 0) calls = progress.calls;
-        sph_skeleton_destroy(skeleton);
-        sph_skin_destroy(skin);
-        sph_context_destroy(own);
-    }
-    ck_assert_uint_gt(calls, 2);
+    check_every_cancel((test_faults){.work = make_and_pose, .least = 3});
 }
 END_TEST
 
@@ -155,7 +136,7 @@ int main(void)
     tcase_add_test(tc, threads_and_executors_do_not_change_a_bit);
     tcase_add_test(tc, bad_options_and_poses_are_refused_by_name);
     tcase_add_loop_test(tc, extreme_skins_make_finite_trees, 0, 3);
-    tcase_add_loop_test(tc, every_allocation_may_fail, 0, 2);
+    tcase_add_loop_test(tc, every_allocation_may_fail, 0, 4);
     tcase_add_test(tc, progress_does_not_fall_and_may_cancel);
     return run_suite(suite, tc);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "faults.h"
 #include "runner.h"
 #include "support.h"
 
@@ -245,25 +246,18 @@ START_TEST(measuring_gives_the_distances_that_were_put_in)
 }
 END_TEST
 
+static sph_status create(sph_context *own, const void *user)
+{
+    sph_skin *skin = NULL;
+    const sph_status status = sph_skin_create_from_arrays(own, user, &skin);
+    ck_assert((skin != NULL) == (status == SPH_OK));
+    sph_skin_destroy(skin);
+    return status;
+}
+
 START_TEST(every_allocation_may_fail)
 {
-    for (size_t at = 1;; ++at) {
-        test_faulty faulty = {.fail_at = at, .sticky = _i};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *own = test_context_with_allocator(&allocator);
-        sph_skin *skin = NULL;
-        sph_status status = SPH_E_NOMEM;
-        if (own != NULL) status = sph_skin_create_from_arrays(own, &arrays, &skin);
-        sph_skin_destroy(skin);
-        sph_context_destroy(own);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (status == SPH_OK) {
-            ck_assert_uint_gt(at, 10);
-            break;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = create, .user = &arrays, .least = 10, .sticky = _i});
 }
 END_TEST
 

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "faults.h"
 #include "runner.h"
 #include "skin_rig.h"
 #include "support.h"
@@ -255,56 +256,36 @@ START_TEST(bones_of_little_influence_take_the_mean_pose_of_their_neighbours)
 }
 END_TEST
 
-START_TEST(progress_rises_and_any_report_may_cancel)
+/* `user` holds the limit of rounds. */
+static sph_status solve_in(sph_context *own, const void *user)
 {
-    size_t calls = 0;
-    for (size_t at = 0; at == 0 || at <= calls; ++at) {
-        test_progress progress = {.cancel_at = at};
-        sph_skin *skin = (sph_skin *)context;
-        sph_status status;
-        skin_rig_free(&rig);
-        sph_context_destroy(context);
-        begin(test_context_with_progress(test_progress_callback, &progress));
-        progress = (test_progress){.cancel_at = at};
-        o.round_limit = 3;
-        status = sph_skin_create(rig.level, &source, 1, &o, &skin);
-        ck_assert_int_eq(status, at == 0 ? SPH_OK : SPH_E_CANCELLED);
-        ck_assert(at == 0 || skin == NULL);
-        ck_assert(!progress.fell);
-        if (at == 0) calls = progress.calls;
-        ck_assert_uint_gt(calls, 10);
+    skin_rig other;
+    sph_skin_source from;
+    sph_skin *skin = (sph_skin *)own;
+    sph_status status = SPH_E_NOMEM;
+    skin_rig_init(&other, own, RIG_BENDS, 7);
+    from = (sph_skin_source){other.animation, "clip", 25};
+    o.round_limit = *(const uint32_t *)user;
+    if (other.level != NULL && other.animation != NULL) {
+        status = sph_skin_create(other.level, &from, 1, &o, &skin);
+        ck_assert((skin != NULL) == (status == SPH_OK));
         sph_skin_destroy(skin);
     }
+    skin_rig_free(&other);
+    return status;
+}
+
+START_TEST(progress_rises_and_any_report_may_cancel)
+{
+    const uint32_t rounds = 3;
+    check_every_cancel((test_faults){.work = solve_in, .user = &rounds, .least = 11});
 }
 END_TEST
 
 START_TEST(every_allocation_may_fail)
 {
-    for (size_t at = 1;; at += 1 + at / 16) {
-        test_faulty faulty = {0};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_skin *skin = NULL;
-        sph_status status;
-        skin_rig_free(&rig);
-        sph_context_destroy(context);
-        begin(test_context_with_allocator(&allocator));
-        o.round_limit = 2;
-        faulty.fail_at = faulty.calls + at;
-        faulty.sticky = _i;
-        status = sph_skin_create(rig.level, &source, 1, &o, &skin);
-        faulty.fail_at = 0;
-        sph_skin_destroy(skin);
-        skin_rig_free(&rig);
-        sph_context_destroy(context);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        begin(test_context_with_threads(1));
-        if (status == SPH_OK) {
-            ck_assert_uint_gt(at, 40);
-            break;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    const uint32_t rounds = 2;
+    check_every_allocation((test_faults){.work = solve_in, .user = &rounds, .least = 60, .sticky = _i, .thinning = 32});
 }
 END_TEST
 

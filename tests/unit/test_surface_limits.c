@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "faults.h"
 #include "runner.h"
 #include "support.h"
 #include "surface_shapes.h"
@@ -107,44 +108,25 @@ START_TEST(a_frame_is_the_same_alone_and_in_a_sequence)
 }
 END_TEST
 
+static sph_status extract_and_destroy(sph_context *own, const void *user)
+{
+    sph_surface *surface = NULL;
+    const sph_status status = extract_moving(own, &surface);
+    (void)user;
+    ck_assert((status == SPH_OK) == (surface != NULL));
+    sph_surface_destroy(surface);
+    return status;
+}
+
 START_TEST(every_allocation_may_fail)
 {
-    for (size_t n = 1;; ++n) {
-        test_faulty faulty = {.fail_at = n, .sticky = _i};
-        const sph_allocator allocator = test_faulty_allocator(&faulty);
-        sph_context *own = test_context_with_allocator(&allocator);
-        sph_surface *surface = NULL;
-        sph_status status = SPH_E_NOMEM;
-        if (own != NULL) status = extract_moving(own, &surface);
-        ck_assert(status == SPH_OK ? surface != NULL : surface == NULL);
-        sph_surface_destroy(surface);
-        sph_context_destroy(own);
-        ck_assert_uint_eq(faulty.live_blocks, 0);
-        ck_assert(!faulty.misused);
-        if (faulty.calls < n) {
-            ck_assert_int_eq(status, SPH_OK);
-            ck_assert_uint_gt(n, 20);
-            return;
-        }
-        ck_assert_int_eq(status, SPH_E_NOMEM);
-    }
+    check_every_allocation((test_faults){.work = extract_and_destroy, .least = 20, .sticky = _i});
 }
 END_TEST
 
 START_TEST(progress_rises_and_may_cancel_at_any_call)
 {
-    for (size_t n = 0;; ++n) {
-        test_progress progress = {.cancel_at = n};
-        sph_context *own = test_context_with_progress(test_progress_callback, &progress);
-        sph_surface *surface;
-        const sph_status status = extract_moving(own, &surface);
-        ck_assert(!progress.fell);
-        if (status == SPH_OK) ck_assert_uint_gt(progress.calls, 10);
-        ck_assert_int_eq(status, n == 0 || progress.calls < n ? SPH_OK : SPH_E_CANCELLED);
-        sph_surface_destroy(surface);
-        sph_context_destroy(own);
-        if (n > 0 && status == SPH_OK) return;
-    }
+    check_every_cancel((test_faults){.work = extract_and_destroy, .least = 11});
 }
 END_TEST
 
