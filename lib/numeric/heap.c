@@ -8,11 +8,14 @@ enum { ARITY = 4, LEAD = 3 };
 
 static bool comes_before_equal(const sph__heap *heap, const sph__heap_entry *a, const sph__heap_entry *b)
 {
-    const uint64_t a_tie = heap->ties[a->item], b_tie = heap->ties[b->item];
+    uint32_t a_tie, b_tie;
     if (a->key != b->key) { /* a NaN on one side or both */
         const bool a_nan = isnan(a->key), b_nan = isnan(b->key);
         if (a_nan != b_nan) return b_nan;
     }
+    if (a->tie != b->tie) return a->tie < b->tie;
+    a_tie = heap->ties[a->item];
+    b_tie = heap->ties[b->item];
     if (a_tie != b_tie) return a_tie < b_tie;
     return a->item < b->item;
 }
@@ -137,25 +140,25 @@ sph_status sph__heap_reserve(sph__heap *heap, size_t item_count)
 
 sph_status sph__heap_set(sph__heap *heap, uint32_t item, double key, uint64_t tie)
 {
-    const sph__heap_entry entry = {.key = key, .item = item};
+    const sph__heap_entry entry = {.key = key, .item = item, .tie = (uint32_t)(tie >> 32)};
     sph_status status;
     if (item == SPH__HEAP_ABSENT) return sph__fail(heap->context, SPH_E_LIMIT, "too many items in a queue");
     if (sph__heap_contains(heap, item)) {
-        heap->ties[item] = tie;
+        heap->ties[item] = (uint32_t)tie;
         settle(heap, heap->places[item], entry);
         return SPH_OK;
     }
     if ((status = reserve_items(heap, (size_t)item + 1)) != SPH_OK) return status;
     if ((status = reserve_entries(heap, heap->count + 1)) != SPH_OK) return status;
-    heap->ties[item] = tie;
+    heap->ties[item] = (uint32_t)tie;
     sift_up(heap, heap->count++, entry);
     return SPH_OK;
 }
 
 void sph__heap_append(sph__heap *heap, uint32_t item, double key, uint64_t tie)
 {
-    heap->ties[item] = tie;
-    put(heap, heap->count++, (sph__heap_entry){.key = key, .item = item});
+    heap->ties[item] = (uint32_t)tie;
+    put(heap, heap->count++, (sph__heap_entry){.key = key, .item = item, .tie = (uint32_t)(tie >> 32)});
 }
 
 void sph__heap_order(sph__heap *heap)

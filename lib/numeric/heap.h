@@ -13,6 +13,7 @@
 typedef struct sph__heap_entry {
     double key;
     uint32_t item;
+    uint32_t tie; /* the upper half of it */
 } sph__heap_entry;
 
 /*
@@ -24,7 +25,7 @@ typedef struct sph__heap {
     sph__heap_entry *memory, *entries; /* entries begin within `memory` so that siblings share a cache line */
     size_t count, capacity;
     uint32_t *places; /* of an item in `entries`, or SPH__HEAP_ABSENT */
-    uint64_t *ties;   /* of items: read where keys are equal alone */
+    uint32_t *ties;   /* lower halves, of items: read where all else is equal */
     size_t place_capacity, tie_capacity;
 } sph__heap;
 

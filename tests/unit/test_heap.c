@@ -53,7 +53,7 @@ static entry random_entry(uint32_t item)
     static const double special[] = {0.0, -0.0, INFINITY, -INFINITY, (double)NAN, 1e-308, -1e308, 1.0};
     const uint64_t dice = next_random() % 24;
     const double key = dice < 8 ? special[dice] : (double)(next_random() % 9) - 4.0;
-    return (entry){.key = key, .tie = next_random() % 4, .item = item, .present = true};
+    return (entry){.key = key, .tie = (next_random() % 3) << 32 | next_random() % 3, .item = item, .present = true};
 }
 
 START_TEST(items_come_out_as_qsort_orders_them)
