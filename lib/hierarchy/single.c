@@ -36,10 +36,24 @@ static void evaluate_eight(const sph__builder *b, const uint32_t *edges, size_t 
         costs[l] = sph__evaluate_sums(b, &sums[l], us[l].radius, su[l], sv[l], &b->candidates[edges[l]], &parabola);
 }
 
+/* Asks for what later edges read: the vertices of a mesh may be in any order. */
+static void ask_for_ends(const sph__builder *b, const uint32_t *edges, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        for (unsigned k = 0; k < 2; ++k) {
+            const sph__slot *slot = sph__slot_of(b, b->mesh.edges[edges[i]].ends[k]);
+            __builtin_prefetch(slot);
+            __builtin_prefetch(sph__single_rows(b, (size_t)(slot - b->slots)));
+            sph__prefetch_widths(b, slot);
+        }
+}
+
 void sph__single_evaluate(const sph__builder *b, const uint32_t *edges, size_t count, double *costs)
 {
-    for (size_t i = 0; i < count; i += SPH__LANES)
+    for (size_t i = 0; i < count; i += SPH__LANES) {
+        if (i + 2 * SPH__LANES <= count) ask_for_ends(b, edges + i + SPH__LANES, SPH__LANES);
         evaluate_eight(b, edges + i, count - i < SPH__LANES ? count - i : SPH__LANES, costs + i);
+    }
 }
 
 void sph__single_center(const sph__builder *b, uint32_t u, uint32_t v, const sph__candidate *candidate)

@@ -201,11 +201,21 @@ static void probe_frames(const sph__builder *b, uint32_t v, double *low, double 
 enum { FRAMES_ALL = 2, FRAMES_SOME = 1, MOST_PROBES = FRAMES_SOME * 1024 };
 
 
+/* The vertices of a mesh may be in any order. */
+static void ask_for_cell(const sph__builder *b, size_t v)
+{
+    enum { MOST = 16 };
+    for (size_t i = 0; i < MOST && b->cell_starts[v] + i < b->cell_starts[v + 1]; ++i)
+        __builtin_prefetch(sph__node_center(b, b->vertex_cells[b->cell_starts[v] + i][0]));
+}
+
 static void probe_leaves(void *argument, size_t begin, size_t end)
 {
+    enum { AHEAD = 4 };
     const sph__builder *b = argument;
     for (size_t v = begin; v < end; ++v) {
         double *low = sph__probes_of(b, &b->slots[v]);
+        if (v + AHEAD < end) ask_for_cell(b, v + AHEAD);
         probe_frames(b, (uint32_t)v, low, low + b->probe_count);
     }
 }
