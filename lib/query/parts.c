@@ -98,12 +98,13 @@ void sph__query_parts_set(sph__query_parts *parts, const sph__primitive *p, uint
     parts->corner_count = (uint32_t)p->corner_count;
     for (int lane = 0; lane < SPH__QUERY_FAN; ++lane) {
         const int i = p->corner_count == 3 ? lane % 3 : lane % p->corner_count;
+        const bool has_edge = p->corner_count == 3 || i == 0;
         for (int k = 0; k < 3; ++k)
             parts->center[k][lane] = (float)p->center[i][k];
         parts->radius[lane] = (float)p->radius[i];
         parts->shared_corner[lane] = shared >> i & 1 ? SPH__QUERY_NEVER : 0;
-        parts->shared_edge[lane] = shared >> (3 + i) & 1 ? SPH__QUERY_NEVER : 0;
-        if (p->corner_count == 3 || i == 0)
+        parts->shared_edge[lane] = shared >> (3 + i) & 1 || !has_edge ? SPH__QUERY_NEVER : 0;
+        if (has_edge)
             set_edge(parts, lane, p, i);
         else
             parts->cosine[lane] = 1;

@@ -309,6 +309,7 @@ static void check_first(const sph_query *q, uint32_t i)
     for (uint32_t slot = 0; slot < q->primitive_count; ++slot) {
         first = fmin(first, first_touch(&q->solid.primitives[slot], &moves[i]));
         least = fminf(least, keys[slot]);
+        if (keys[slot] <= 1 && is_met[slot][i]) ck_assert_float_eq(keys[slot], waves[slot][i]);
     }
     if (first <= 1) ck_assert_double_le(least, first);
 }
