@@ -11,7 +11,7 @@
 #include "runner.h"
 #include "support.h"
 
-enum { SPHERES = 12, EDGES = 4, TRIANGLES = 6, RAYS = 256, SOLIDS = 100, SLOTS = 64, SIDE = SPH__QUERY_SIDE };
+enum { SPHERES = 12, EDGES = 4, TRIANGLES = 6, RAYS = 256, SOLIDS = 30, SLOTS = 64, SIDE = SPH__QUERY_SIDE };
 
 static sph_context *context;
 static uint64_t state;
