@@ -133,17 +133,8 @@ void sph__box_tree_build(sph__box_tree *tree, const sph__box *boxes, uint32_t it
     sph__box_tree_refit(tree, boxes);
 }
 
-static void grow(sph__box *box, const sph__box *other)
-{
-    for (int k = 0; k < 3; ++k) {
-        if (other->low[k] < box->low[k]) box->low[k] = other->low[k];
-        if (other->high[k] > box->high[k]) box->high[k] = other->high[k];
-    }
-}
-
 void sph__box_tree_refit(sph__box_tree *tree, const sph__box *boxes)
 {
-    static const sph__box EMPTY = {{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
     const uint32_t first_leaf = (uint32_t)1 << tree->depth;
     sph__box_visit stack[SPH__BOX_STACK];
     int top = 0;
@@ -151,17 +142,17 @@ void sph__box_tree_refit(sph__box_tree *tree, const sph__box *boxes)
     while (top > 0) {
         const sph__box_visit v = stack[--top];
         const uint32_t half = sph__box_visit_middle(&v);
-        tree->nodes[v.node] = EMPTY;
+        tree->nodes[v.node] = sph__box_empty();
         if (!sph__box_tree_is_leaf(tree, v.node)) {
             stack[top++] = (sph__box_visit){2 * v.node, v.begin, half, 0};
             stack[top++] = (sph__box_visit){2 * v.node + 1, half, v.end, 0};
             continue;
         }
         for (uint32_t i = v.begin; i < v.end; ++i)
-            grow(&tree->nodes[v.node], &boxes[tree->order[i]]);
+            sph__box_grow(&tree->nodes[v.node], &boxes[tree->order[i]]);
     }
     for (uint32_t node = first_leaf - 1; node >= 1; --node) {
-        grow(&tree->nodes[node], &tree->nodes[2 * node]);
-        grow(&tree->nodes[node], &tree->nodes[2 * node + 1]);
+        sph__box_grow(&tree->nodes[node], &tree->nodes[2 * node]);
+        sph__box_grow(&tree->nodes[node], &tree->nodes[2 * node + 1]);
     }
 }

@@ -7,11 +7,28 @@
 #ifndef SPH_BOX_TREE_H
 #define SPH_BOX_TREE_H
 
+#include <float.h>
+
 #include "base/base.h"
 
 typedef struct sph__box {
     float low[3], high[3];
 } sph__box;
+
+/* The box of nothing. */
+static inline sph__box sph__box_empty(void)
+{
+    return (sph__box){{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
+}
+
+/* Makes it hold another. */
+static inline void sph__box_grow(sph__box *box, const sph__box *other)
+{
+    for (int k = 0; k < 3; ++k) {
+        box->low[k] = other->low[k] < box->low[k] ? other->low[k] : box->low[k];
+        box->high[k] = other->high[k] > box->high[k] ? other->high[k] : box->high[k];
+    }
+}
 
 /* The box of three of the points `xyz`. */
 static inline sph__box sph__box_of_triangle(const float *xyz, const uint32_t corners[3])

@@ -22,23 +22,13 @@ typedef struct range {
     uint32_t begin, end;
 } range;
 
-static const sph__box EMPTY = {{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
-
-static void grow(sph__box *box, const sph__box *other)
-{
-    for (int k = 0; k < 3; ++k) {
-        box->low[k] = other->low[k] < box->low[k] ? other->low[k] : box->low[k];
-        box->high[k] = other->high[k] > box->high[k] ? other->high[k] : box->high[k];
-    }
-}
-
 /* The boxes of all frames take up a primitive; returns half their surface. */
 static double take(const plan *p, sph__box boxes[FRAMES], uint32_t primitive)
 {
     double sum = 0;
     for (uint32_t f = 0; f < p->frames; ++f) {
         double side[3];
-        grow(&boxes[f], &p->boxes[(size_t)f * p->count + primitive]);
+        sph__box_grow(&boxes[f], &p->boxes[(size_t)f * p->count + primitive]);
         for (int k = 0; k < 3; ++k)
             side[k] = (double)boxes[f].high[k] - boxes[f].low[k];
         sum += side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
@@ -71,7 +61,7 @@ static bool part(plan *p, range r, uint32_t size, double *least, uint32_t *middl
     sph__box boxes[2][FRAMES];
     bool is_better = false;
     for (uint32_t f = 0; f < FRAMES; ++f)
-        boxes[0][f] = boxes[1][f] = EMPTY;
+        boxes[0][f] = boxes[1][f] = sph__box_empty();
     for (uint32_t i = 0; i < count; ++i)
         p->ahead[i] = take(p, boxes[0], p->by[r.begin + i]);
     for (uint32_t i = count - 1; i > 0; --i) {
@@ -150,9 +140,9 @@ sph_status sph__query_leaves_build(sph_query *q, uint32_t *order)
 static void set_twig(sph_query *q, uint32_t twig)
 {
     static const sph__box NOWHERE = {{1e15f, 1e15f, 1e15f}, {1e15f, 1e15f, 1e15f}};
-    sph__box box = EMPTY;
+    sph__box box = sph__box_empty();
     for (uint32_t i = q->twigs[twig]; i < q->twigs[twig + 1]; ++i)
-        grow(&box, &q->solid.boxes[i]);
+        sph__box_grow(&box, &q->solid.boxes[i]);
     q->twig_boxes[twig] = q->twigs[twig] < q->twigs[twig + 1] ? box : NOWHERE;
 }
 
