@@ -69,6 +69,19 @@ SPH__INLINE void sph__pick(const sph__v8d *x, const sph__v8d *y, const sph__v8d 
     for (size_t l = 0; l < SPH__LANES; ++l) pr[l] = px[l] > py[l] ? pa[l] : pb[l];
 }
 
+/* *least = x < *least ? x : *least, lane by lane. */
+SPH__INLINE void sph__smaller(const sph__v8d *x, sph__v8d *least)
+{
+    const sph__v8d before = *least;
+    sph__pick(&before, x, x, &before, least);
+}
+
+SPH__INLINE void sph__larger(const sph__v8d *x, sph__v8d *most)
+{
+    const sph__v8d before = *most;
+    sph__pick(x, &before, x, &before, most);
+}
+
 SPH__INLINE bool sph__is_zero(const sph__v8d *x)
 {
     const sph__v8i bits = (sph__v8i)*x;

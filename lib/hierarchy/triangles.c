@@ -64,7 +64,7 @@ SPH__CLONES static bool opposed_clones(const float *p, const float *q, const flo
         }
         find_normals(p, q, before, after, s, i, n, m);
         dot = DOT(n, m);
-        for (size_t l = 0; l < SPH__LANES; ++l) least[l] = dot[l] < least[l] ? dot[l] : least[l];
+        sph__smaller(&dot, &least);
     }
     return is_any_negative(&least);
 }

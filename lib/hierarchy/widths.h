@@ -33,23 +33,6 @@ void sph__add_guards(sph__extents *e, const double k[3], size_t lane);
 /* Eight frames of the guards, from i on, as the points are placed. */
 void sph__place_guards(const sph__builder *b, const sph__extents *e, size_t i, double *placed);
 
-/* *least = x < *least ? x : *least, lane by lane. */
-SPH__INLINE void sph__smaller(const sph__v8d *x, sph__v8d *least)
-{
-    const double *a = (const double *)x;
-    double *b = (double *)least;
-    SPH__LANE_LOOP
-    for (size_t l = 0; l < SPH__LANES; ++l) b[l] = a[l] < b[l] ? a[l] : b[l];
-}
-
-SPH__INLINE void sph__larger(const sph__v8d *x, sph__v8d *most)
-{
-    const double *a = (const double *)x;
-    double *b = (double *)most;
-    SPH__LANE_LOOP
-    for (size_t l = 0; l < SPH__LANES; ++l) b[l] = a[l] > b[l] ? a[l] : b[l];
-}
-
 SPH__INLINE void sph__fill(double x, sph__v8d *v)
 {
     *v = (sph__v8d){x, x, x, x, x, x, x, x};
