@@ -3,25 +3,27 @@
 #include "hierarchy/kernel.h"
 #include "hierarchy/united.h"
 
+/* Asks for eight frames of a region's rows. */
+SPH__INLINE void ask_for_rows(const sph__region *region, size_t i)
+{
+    const size_t rows = region->leaf ? SPH__LEAF_ROWS : SPH__BLOCK_ROWS;
+    const char *begin = (const char *)(region->block + i * rows);
+    for (size_t line = 0; line < rows * SPH__LANES * sizeof(float); line += 64) __builtin_prefetch(begin + line);
+}
+
 /* Asks for the rows of the frames that come so many later: the machine's own guesses end with each page. */
 enum { AHEAD = 32 };
 
 SPH__INLINE void ask_ahead(const sph__region *region, size_t s, size_t i)
 {
-    const size_t rows = region->leaf ? SPH__LEAF_ROWS : SPH__BLOCK_ROWS;
-    const char *begin;
-    if (i + AHEAD >= s) return;
-    begin = (const char *)(region->block + (i + AHEAD) * rows);
-    for (size_t line = 0; line < rows * SPH__LANES * sizeof(float); line += 64) __builtin_prefetch(begin + line);
+    if (i + AHEAD < s) ask_for_rows(region, i + AHEAD);
 }
 
 /* Asks for as many frames of what is read next as are read now. */
 SPH__INLINE void ask_meanwhile(const sph__region *next, size_t s, size_t i)
 {
-    const size_t rows = next->leaf ? SPH__LEAF_ROWS : SPH__BLOCK_ROWS;
-    const char *begin = (const char *)(next->block + i * rows);
-    for (size_t line = 0; line < rows * SPH__LANES * sizeof(float); line += 64) __builtin_prefetch(begin + line, 0, 2);
-    for (size_t k = 0; k < 3; ++k) __builtin_prefetch(next->center + k * s + i, 0, 2);
+    ask_for_rows(next, i);
+    for (size_t k = 0; k < 3; ++k) __builtin_prefetch(next->center + k * s + i);
 }
 
 /* What sums over frames are made of, lane by lane. */

@@ -9,7 +9,6 @@
 /* Entries of the queue: the next; its siblings, and their children. */
 enum { NEXT = 1, NEAR = 5, FAR = 21 };
 
-
 static void ask_for(const void *place)
 {
     __builtin_prefetch(place);
@@ -31,13 +30,19 @@ static void ask_for_node(const sph__builder *b, uint32_t node)
     if (!b->single) ask_for(sph__node_center(b, node));
 }
 
-/* What that leads to. */
+/* Where what is known of a node begins. */
+static void ask_for_state(const sph__builder *b, uint32_t node)
+{
+    ask_for(sph__slot_of(b, node));
+    if (b->single) ask_for(sph__single_rows(b, b->mesh.nodes[node].slot));
+}
+
+/* What a node leads to. */
 static void ask_for_lists(const sph__builder *b, uint32_t node)
 {
     ask_for(sph__edges_of(&b->mesh, node));
     ask_for(sph__triangles_of(&b->mesh, node));
-    ask_for(sph__slot_of(b, node));
-    if (b->single) ask_for(sph__single_rows(b, b->mesh.nodes[node].slot));
+    ask_for_state(b, node);
 }
 
 static void ask_for_simplices(const sph__builder *b, uint32_t node)
@@ -46,9 +51,7 @@ static void ask_for_simplices(const sph__builder *b, uint32_t node)
     const uint32_t *triangles = sph__triangles_of(&b->mesh, node);
     const uint32_t edge_count = sph__edge_count_of(&b->mesh, node);
     const uint32_t triangle_count = sph__triangle_count_of(&b->mesh, node);
-    for (uint32_t i = 0; i < edge_count; ++i) {
-        ask_for(&b->mesh.edges[edges[i]]);
-    }
+    for (uint32_t i = 0; i < edge_count; ++i) ask_for(&b->mesh.edges[edges[i]]);
     for (uint32_t i = 0; i < triangle_count; ++i) ask_for(b->mesh.triangles[triangles[i]]);
     ask_for_slot(b, sph__slot_of(b, node));
 }
@@ -88,11 +91,7 @@ void sph__prefetch_neighbours(const sph__builder *b, uint32_t node)
 {
     const uint32_t *edges = sph__edges_of(&b->mesh, node);
     const uint32_t count = sph__edge_count_of(&b->mesh, node);
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
-        ask_for(sph__slot_of(b, x));
-        if (b->single) ask_for(sph__single_rows(b, b->mesh.nodes[x].slot));
-    }
+    for (uint32_t i = 0; i < count; ++i) ask_for_state(b, sph__edge_other(&b->mesh, edges[i], node));
 }
 
 void sph__prefetch_around(const sph__builder *b, uint32_t node)
@@ -102,8 +101,7 @@ void sph__prefetch_around(const sph__builder *b, uint32_t node)
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t x = sph__edge_other(&b->mesh, edges[i], node);
         const char *center = (const char *)sph__node_center(b, x);
-        ask_for(sph__slot_of(b, x));
-        if (b->single) ask_for(sph__single_rows(b, b->mesh.nodes[x].slot));
+        ask_for_state(b, x);
         for (size_t at = 0; at < b->node_floats * sizeof(float) && at < 6 * 64; at += 64) ask_for(center + at);
     }
     for (uint32_t i = 0; i < count; ++i) ask_for_slot(b, sph__slot_of(b, sph__edge_other(&b->mesh, edges[i], node)));
