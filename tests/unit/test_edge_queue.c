@@ -4,6 +4,7 @@
 
 #include "hierarchy/edge_queue.h"
 #include "runner.h"
+#include "support.h"
 
 /* More edges than the queue sorts at once. */
 enum { VERTICES = 12000, EDGES = 2 * VERTICES - 3, LOOK_EVERY = 24 };
@@ -13,14 +14,6 @@ static sph__connectivity mesh;
 static sph__edge_queue queue;
 static double expected[EDGES]; /* what each edge costs; -1: taken, -2: refused */
 static uint64_t state;
-
-static uint64_t next_random(void)
-{
-    state ^= state << 13;
-    state ^= state >> 7;
-    state ^= state << 17;
-    return state;
-}
 
 /* Vertices in a row, each joined to the next two. */
 static void setup(void)
@@ -52,8 +45,8 @@ static void teardown(void)
 static double random_cost(unsigned rare)
 {
     static const double special[] = {0, 0, INFINITY, (double)NAN};
-    const uint64_t dice = next_random();
-    return dice % rare == 0 ? special[dice / rare % 4] : (double)(next_random() % 5000) * 1e-3;
+    const uint64_t dice = test_random(&state);
+    return dice % rare == 0 ? special[dice / rare % 4] : (double)(test_random(&state) % 5000) * 1e-3;
 }
 
 static void set(uint32_t edge, double cost)
@@ -87,7 +80,7 @@ static void take_all(unsigned rare)
     uint32_t edge, taken = 0, refused = 0;
     for (uint32_t e = 0; e < EDGES; ++e) set(e, random_cost(rare));
     while (sph__edge_queue_top(&queue, &mesh, &edge)) {
-        const uint32_t other = (uint32_t)(next_random() % EDGES);
+        const uint32_t other = (uint32_t)(test_random(&state) % EDGES);
         if (taken++ % LOOK_EVERY == 0) ck_assert_uint_eq(edge, first_of_all());
         ck_assert(!(expected[edge] < 0));
         sph__edge_queue_take(&queue, &mesh, edge);
@@ -122,7 +115,7 @@ START_TEST(edges_that_are_gone_never_come_up)
     for (uint32_t round = 0; round < 4; ++round) {
         uint32_t gone[500];
         for (uint32_t i = 0; i < 500; ++i) {
-            gone[i] = (uint32_t)(next_random() % EDGES);
+            gone[i] = (uint32_t)(test_random(&state) % EDGES);
             expected[gone[i]] = SPH__GONE;
         }
         mesh.removed = gone;

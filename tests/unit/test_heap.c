@@ -12,14 +12,6 @@ enum { ITEMS = 300, STEPS = 60000 };
 static sph_context *context;
 static uint64_t state;
 
-static uint64_t next_random(void)
-{
-    state ^= state << 13;
-    state ^= state >> 7;
-    state ^= state << 17;
-    return state;
-}
-
 static void setup(void)
 {
     state = 88172645463325252u;
@@ -51,9 +43,9 @@ static int compare_entries(const void *left, const void *right)
 static entry random_entry(uint32_t item)
 {
     static const double special[] = {0.0, -0.0, INFINITY, -INFINITY, (double)NAN, 1e-308, -1e308, 1.0};
-    const uint64_t dice = next_random() % 24;
-    const double key = dice < 8 ? special[dice] : (double)(next_random() % 9) - 4.0;
-    return (entry){.key = key, .tie = (next_random() % 3) << 32 | next_random() % 3, .item = item, .present = true};
+    const uint64_t dice = test_random(&state) % 24;
+    const double key = dice < 8 ? special[dice] : (double)(test_random(&state) % 9) - 4.0;
+    return (entry){.key = key, .tie = (test_random(&state) % 3) << 32 | test_random(&state) % 3, .item = item, .present = true};
 }
 
 START_TEST(items_come_out_as_qsort_orders_them)
@@ -149,8 +141,8 @@ START_TEST(any_mixture_of_operations_agrees_with_a_plain_array)
     memset(entries, 0, sizeof entries);
     sph__heap_init(&heap, context);
     for (int step = 0; step < STEPS; ++step) {
-        const uint32_t item = (uint32_t)(next_random() % ITEMS);
-        const uint64_t what = next_random() % 1000;
+        const uint32_t item = (uint32_t)(test_random(&state) % ITEMS);
+        const uint64_t what = test_random(&state) % 1000;
         if (what < 550) {
             entries[item] = random_entry(item);
             ck_assert_int_eq(sph__heap_set(&heap, item, entries[item].key, entries[item].tie), SPH_OK);
